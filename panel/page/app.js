@@ -29,23 +29,32 @@ function route() {
   update();
 }
 
-// The stop: the button, and the space bar wherever it does not write a space.
+// The stop: the button, and the space bar wherever it does not write a space. Where it does, the button says so.
 function stop() {
   say("stop");
-  toast("Stop was sent", "good");
+  if (known.connected) toast("Stop was sent", "good");
+  else toast("Stop was not sent: there is no connection with the panel");
 }
+const writesSpaces = (event) => Boolean(event.target.closest?.("[data-spaces]"));
 document.getElementById("stop").addEventListener("click", stop);
 document.addEventListener("keydown", (event) => {
-  if (event.code !== "Space" || event.repeat) return;
-  if (event.target.closest?.("input[type=text], input[type=search], textarea")) return;
+  if (event.code !== "Space" || writesSpaces(event)) return;
   event.preventDefault();
-  stop();
+  if (!event.repeat) stop();
 }, true);
 // A button under the focus must not be pressed by the same key.
 document.addEventListener("keyup", (event) => {
-  if (event.code !== "Space" || event.target.closest?.("input[type=text], input[type=search], textarea")) return;
+  if (event.code !== "Space" || writesSpaces(event)) return;
   event.preventDefault();
 }, true);
+document.addEventListener("focusin", (event) => mark(document.body, "data-typing", writesSpaces(event)));
+document.addEventListener("focusout", () => mark(document.body, "data-typing", false));
+// As the space bar is taken, a check box under the focus is switched by the enter key.
+document.addEventListener("keydown", (event) => {
+  if (event.key !== "Enter" || !event.target.matches?.("input[type=checkbox]")) return;
+  event.preventDefault();
+  event.target.click();
+});
 
 const takeButton = element("button", { type: "button", onclick: () => order("take").catch((error) => toast(error.message)) }, "Take control");
 const bannerText = element("span");

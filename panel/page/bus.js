@@ -71,11 +71,13 @@ function row(node) {
 
 function fillRow(made, node) {
   show(made.name, node.name ?? `Node ${node.id}`);
-  show(made.state, node.state ?? "state unknown");
-  made.state.dataset.state = node.state ?? "";
+  show(made.state, node.is_lost ? "silent" : node.state ?? "state unknown");
+  made.state.dataset.state = node.is_lost ? "silent" : node.state ?? "";
   show(made.device, node.device ?? "");
   show(made.identity, node.identity ?? "");
-  show(made.heard, node.silent === null ? "" : node.silent < 20 ? `heard ${(node.silent / 10).toFixed(1)} s ago` : `silent for ${Math.floor(node.silent / 10)} s`);
+  const age = (tenths) => (tenths < 20 ? `${(tenths / 10).toFixed(1)} s` : `${Math.floor(tenths / 10)} s`);
+  const heard = node.silent === null ? "" : `heard ${age(node.silent)} ago`;
+  show(made.heard, node.heartbeat !== null ? `heartbeat ${age(node.heartbeat)} ago` : [heard, "no heartbeat"].filter(Boolean).join(", "));
   visible(made.open, node.is_drive);
   if (made.emergencies.childElementCount !== node.emergencies.length || made.emergencies.lastChild?.textContent !== node.emergencies.at(-1)) {
     made.emergencies.replaceChildren(...node.emergencies.map((text) => element("li", {}, text)));

@@ -9,6 +9,7 @@ const SPAN = 20;
 const EVERY = 40;
 const KEPT = (SPAN * 1000) / EVERY;
 const MARKS = [-20, -15, -10, -5, 0];
+const HEIGHT = 170;
 
 /** The colours of these classes, as the style sheet has them now, dark or light. */
 export function inks(place, names) {
@@ -34,12 +35,12 @@ export function chart(values) {
     const axis = { stroke: quiet, grid: { stroke: line, width: 1 }, ticks: { stroke: line, width: 1 }, font: "12px system-ui, sans-serif" };
     plot = new uPlot({
       width: Math.max(200, place.clientWidth),
-      height: 210,
+      height: HEIGHT,
       legend: { show: false },
       cursor: { y: false, drag: { x: false, y: false } },
       scales: { x: { time: false, range: (self, low, high) => [high - SPAN, high] }, position: {}, velocity: {} },
       axes: [
-        { ...axis, splits: () => MARKS.map((mark) => (data[0].at(-1) ?? 0) + mark), values: () => MARKS.map((mark) => `${mark} s`) },
+        { ...axis, size: 30, splits: () => MARKS.map((mark) => (data[0].at(-1) ?? 0) + mark), values: () => MARKS.map((mark) => `${mark} s`) },
         { ...axis, scale: "position", size: 64, label: "Position", labelSize: 20, labelFont: "12px system-ui, sans-serif", stroke: accent },
         { ...axis, scale: "velocity", side: 1, size: 64, label: "Velocity", labelSize: 20, labelFont: "12px system-ui, sans-serif", stroke: warn, grid: { show: false } },
       ],
@@ -69,7 +70,7 @@ export function chart(values) {
     }
   }, EVERY);
 
-  const sized = new ResizeObserver(() => plot?.setSize({ width: Math.max(200, place.clientWidth), height: 210 }));
+  const sized = new ResizeObserver(() => plot?.setSize({ width: Math.max(200, place.clientWidth), height: HEIGHT }));
   sized.observe(place);
   const scheme = matchMedia("(prefers-color-scheme: dark)");
   scheme.addEventListener("change", make);

@@ -23,7 +23,7 @@ const STATE_NAMES = {
 let parts = null;
 let beating = null;
 // What a person has typed stays when the page is left.
-const typed = { target: "5000", distance: "1000", velocity: "", jog: "2000" };
+const typed = { target: "5000", distance: "1000", velocity: "", acceleration: "", deceleration: "", jog: "2000", set_point: "" };
 
 async function attempt(what, details) {
   try {
@@ -51,9 +51,17 @@ function whole(input, name) {
 
 async function move(relative) {
   const target = relative ? whole(parts.distance.input, "Distance") : whole(parts.target.input, "Position");
-  const velocity = parts.velocity.input.value.trim() === "" ? undefined : whole(parts.velocity.input, "Velocity");
-  if (target === null || velocity === null) return;
-  await attempt("move", { target, relative, velocity });
+  const optional = ({ input }, name) => (input.value.trim() === "" ? undefined : whole(input, name));
+  const velocity = optional(parts.velocity, "Velocity");
+  const acceleration = optional(parts.acceleration, "Acceleration");
+  const deceleration = optional(parts.deceleration, "Deceleration");
+  if ([target, velocity, acceleration, deceleration].includes(null)) return;
+  await attempt("move", { target, relative, velocity, acceleration, deceleration });
+}
+
+async function setPoint() {
+  const value = whole(parts.setPoint.input, parts.setPointName.textContent);
+  if (value !== null) await attempt("set_point", { value });
 }
 
 // The dead man's switch: it moves while the button is held, and says so again and again.
@@ -102,7 +110,7 @@ export function enter(place) {
     silent: element("p", { class: "fault", role: "alert" }, "The drive does not answer."),
     position: element("output", { id: "position" }),
     velocityNow: element("output", { id: "velocity-now" }),
-    targetNow: element("output"),
+    demand: element("output"),
     lag: element("output"),
     units: [],
     enable: element("button", { type: "button", class: "primary", id: "enable", "data-writes": true, onclick: () => attempt("enable") }, "Enable"),
@@ -129,7 +137,14 @@ export function enter(place) {
   parts.target = field("target", "Position", unitOf(0));
   parts.distance = field("distance", "Distance", unitOf(0));
   parts.velocity = field("velocity", "Velocity", unitOf(1));
+  parts.acceleration = field("acceleration", "Acceleration", unitOf(2));
+  parts.deceleration = field("deceleration", "Deceleration", unitOf(2));
   parts.jog = field("jog", "Jog velocity", unitOf(1));
+  parts.setPointName = element("span", { id: "set-point-name" });
+  parts.setPointUnit = unit();
+  parts.setPoint = field("set_point", parts.setPointName, parts.setPointUnit);
+  const powered = (label, id, action) => element("button", { type: "button", id, "data-powered": true, onclick: action }, label);
+  parts.setPoints = element("div", { class: "fields" }, parts.setPoint.root, powered("Set", "set", setPoint), powered("Zero", "zero", () => attempt("set_point", { value: 0 })));
   parts.modes.addEventListener("change", () => attempt("mode", { mode: Number(parts.modes.value) }));
 
   const reading = (label, output, which) => element("div", { class: "reading" }, element("span", { class: "quiet" }, label), element("span", {}, output, " ", unitOf(which)));
@@ -141,17 +156,20 @@ export function enter(place) {
         parts.silent, parts.fault,
         element("div", { class: "reading main" }, element("span", { class: "quiet" }, "Position"), element("span", {}, parts.position, " ", unitOf(0))),
         element("div", { class: "grid3" },
-          reading("Velocity", parts.velocityNow, 1), reading("Target", parts.targetNow, 0), reading("Following error", parts.lag, 0)),
+          reading("Velocity", parts.velocityNow, 1), reading("Demand", parts.demand, 0), reading("Following error", parts.lag, 0)),
         parts.chart.root,
         parts.guard),
       card("Move",
-        element("div", { class: "fields" }, parts.target.root, element("button", { type: "button", id: "move-to", "data-powered": true, onclick: () => move(false) }, "Move to")),
-        element("div", { class: "fields" }, parts.distance.root, element("button", { type: "button", id: "move-by", "data-powered": true, onclick: () => move(true) }, "Move by")),
-        element("div", { class: "fields" }, parts.velocity.root)),
+        element("div", { class: "pair" },
+          element("div", { class: "fields" }, parts.target.root, powered("Move to", "move-to", () => move(false))),
+          element("div", { class: "fields" }, parts.distance.root, powered("Move by", "move-by", () => move(true)))),
+        element("div", { class: "fields" }, parts.velocity.root, parts.acceleration.root, parts.deceleration.root)),
       card("Jog",
-        element("p", { class: "quiet" }, "It runs as long as the button is held."),
-        element("div", { class: "fields" }, parts.jog.root),
-        element("div", { class: "jogs" }, jogButton("◀ Negative", -1, "jog-negative"), jogButton("Positive ▶", 1, "jog-positive")))),
+        element("div", { class: "fields" }, parts.jog.root, jogButton("◀ Negative", -1, "jog-negative"), jogButton("Positive ▶", 1, "jog-positive")),
+        element("p", { class: "quiet" }, "It runs as long as a button is held.")),
+      card("Mode",
+        element("div", { class: "fields" }, element("label", {}, element("span", {}, "Mode of operation (6060h)"), parts.modes)),
+        parts.setPoints)),
     element("div", { class: "column" },
       card("State machine", parts.machine.root, parts.transitions),
       parts.homing.root,
@@ -160,7 +178,6 @@ export function enter(place) {
           element("dt", {}, "Statusword"), parts.statusword,
           element("dt", {}, "Controlword"), parts.controlword,
           element("dt", {}, "Mode"), parts.mode),
-        element("div", { class: "fields" }, element("label", {}, element("span", {}, "Change the mode"), parts.modes)),
         parts.values)));
   place.append(element("div", { class: "title" }, parts.name), parts.empty, parts.full);
 }
@@ -205,10 +222,17 @@ export function update() {
   show(parts.fault, drive.fault ? `Error ${drive.fault}` : "");
   show(parts.position, number(drive.position));
   show(parts.velocityNow, number(drive.velocity));
-  show(parts.targetNow, number(drive.target));
+  show(parts.demand, number(drive.demand));
   show(parts.lag, number(drive.following_error));
   for (const [place, which] of parts.units) show(place, drive.units[which]);
   parts.velocity.input.placeholder = drive.profile_velocity ?? "";
+  parts.acceleration.input.placeholder = drive.profile_acceleration ?? "";
+  parts.deceleration.input.placeholder = drive.profile_deceleration ?? "";
+  visible(parts.setPoints, drive.set_point !== null);
+  if (drive.set_point !== null) {
+    show(parts.setPointName, drive.set_point.name);
+    show(parts.setPointUnit, drive.set_point.unit);
+  }
   show(parts.guard, drive.guard === "on" ? "The drive watches the panel's heartbeat (1016h)."
     : drive.guard === "off" ? "The drive will watch the panel's heartbeat as soon as it is commanded."
     : `The drive does not watch the panel: ${drive.guard.impossible}`);

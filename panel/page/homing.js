@@ -58,12 +58,12 @@ export function homing() {
   const [fast, slow, acceleration] = ["homing-fast", "homing-slow", "homing-acceleration"].map(field);
   const method = element("select", { id: "homing-method", "data-writes": true });
   const picture = element("div", { class: "homing-picture" });
-  const units = [element("span", { class: "unit" }), element("span", { class: "unit" })];
+  const units = [1, 1, 2].map((which) => [element("span", { class: "unit" }), which]);
   let known = "";
   let methods = [];
   const draw = () => {
     const found = methods.find((one) => one.number === Number(method.value));
-    if (found) picture.replaceChildren(drawing(found));
+    picture.replaceChildren(...(found && found.number !== 0 ? [drawing(found)] : []));
   };
   method.addEventListener("change", draw);
   const set = async () => {
@@ -78,13 +78,13 @@ export function homing() {
   const root = element("section", { class: "card" }, element("h2", {}, "Homing"),
     element("div", { class: "fields" }, label("Method (6098h)", method)),
     picture,
-    element("div", { class: "fields" }, label("To the switch", fast, units[0]), label("Over its edge", slow, units[1]), label("Acceleration", acceleration)),
+    element("div", { class: "fields" }, label("To the switch", fast, units[0][0]), label("Over its edge", slow, units[1][0]), label("Acceleration", acceleration, units[2][0])),
     element("div", { class: "fields" },
       element("button", { type: "button", id: "set-homing", "data-writes": true, onclick: set }, "Set up"),
       element("button", { type: "button", id: "home", class: "primary", "data-powered": true, onclick: () => order("home").catch((error) => toast(error.message)) }, "Home")));
   const update = (drive) => {
     root.hidden = drive.homing === null;
-    for (const unit of units) show(unit, drive.units[1]);
+    for (const [unit, which] of units) show(unit, drive.units[which]);
     const text = JSON.stringify(drive.homing);
     if (drive.homing === null || text === known) return;
     known = text;

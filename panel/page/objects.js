@@ -91,7 +91,7 @@ function limits(entry) {
 
 function edit(entry, row) {
   if (row.editor) return;
-  const input = element("input", { type: "text", value: values.get(entry.address)?.text?.split(" (")[0] ?? "", "aria-label": `New value of ${entry.address}` });
+  const input = element("input", { type: "text", "data-spaces": true, value: values.get(entry.address)?.text?.split(" (")[0] ?? "", "aria-label": `New value of ${entry.address}` });
   const close = () => {
     row.editor?.remove();
     row.editor = null;
@@ -165,7 +165,7 @@ async function dump() {
 
 /** Lets a person choose a file, and does something with it. */
 function choose(work) {
-  const input = element("input", { type: "file", accept: ".dcf,.xdc,.eds" });
+  const input = element("input", { type: "file", accept: ".dcf,.xdc,.eds,.xdd" });
   input.addEventListener("change", async () => {
     const [file] = input.files;
     if (file) await work({ node, name: file.name, text: await file.text() });
@@ -179,6 +179,15 @@ async function loadFile(file) {
   toast(words, "good");
   values.clear();
   await compareFile(file);
+}
+
+async function useSheet(file) {
+  const words = await attempt(order("sheet", file));
+  if (words === null) return;
+  toast(words, "good");
+  values.clear();
+  changed.clear();
+  await load(node);
 }
 
 async function compareFile(file) {
@@ -205,7 +214,7 @@ export function enter(place) {
     const words = await attempt(promise);
     if (words) toast(words, "good");
   };
-  const search = element("input", { type: "search", placeholder: "Index or name: 6064, profile velocity", value: query, id: "search", "aria-label": "Search" });
+  const search = element("input", { type: "search", "data-spaces": true, placeholder: "Index or name: 6064, profile velocity", value: query, id: "search", "aria-label": "Search" });
   search.addEventListener("input", () => {
     query = search.value;
     list();
@@ -237,6 +246,7 @@ export function enter(place) {
       element("button", { type: "button", id: "dump", "data-holds": true, onclick: dump }, "Save as DCF"),
       element("button", { type: "button", id: "compare", "data-holds": true, onclick: () => choose(compareFile) }, "Compare with a DCF"),
       writing("Load a DCF", () => choose(loadFile), { id: "load" }),
+      element("button", { type: "button", id: "sheet", "data-holds": true, onclick: () => choose(useSheet) }, "Use a data sheet"),
       writing("Store (1010h)", () => said(order("save", { node })), { id: "store" }),
       writing("Restore (1011h)", () => said(order("restore", { node })), { id: "restore" }),
       only),

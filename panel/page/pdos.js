@@ -3,11 +3,6 @@
 import { known, mayWrite, order } from "./connection.js";
 import { element, mark, show, toast, visible } from "./element.js";
 
-const TYPES = [
-  [0, "0: with SYNC, if changed"], [1, "1: with each SYNC"], [2, "2: with every 2nd SYNC"], [5, "5: with every 5th SYNC"], [10, "10: with every 10th SYNC"],
-  [252, "252: on request, of SYNC"], [253, "253: on request"], [254, "254: on change, or by timer"], [255, "255: on change, or by timer"],
-];
-
 let parts = null;
 let node = null;
 let table = null;
@@ -24,7 +19,7 @@ async function attempt(promise) {
 }
 
 async function load() {
-  const wanted = known.state?.drive?.node ?? known.state?.nodes[0]?.id ?? null;
+  const wanted = Number(location.hash.split("/")[1]) || known.state?.drive?.node || known.state?.nodes[0]?.id || null;
   if (wanted === null || !known.connected) return;
   const answer = await attempt(order("pdos", { node: wanted }));
   if (!answer) return;
@@ -50,6 +45,7 @@ async function plan() {
   answer.rates.forEach((rate, place) => {
     const cell = parts.rates[place];
     if (cell) show(cell, table.pdos[place].enabled ? rate === null ? "on events" : `${rate} /s` : "off");
+    if (parts.kinds[place]) show(parts.kinds[place], answer.kinds[place]);
   });
   parts.fits = answer.problems.length === 0;
   update();
@@ -60,28 +56,33 @@ function changed() {
   update();
 }
 
-function numberField(pdo, key, label, most) {
-  if (pdo[key] === null) return element("td", { class: "quiet" }, "–");
+/** Takes what was typed, if it can be a value; else it is marked, and nothing is applied. */
+function take(input, can, set) {
+  mark(input, "aria-invalid", !can);
+  if (can) set();
+  changed();
+}
+
+function numberField(pdo, key, title, label, most) {
+  if (pdo[key] === null) return element("td", { class: "quiet", "data-label": title }, "–");
   const input = element("input", { type: "number", min: 0, max: most, value: pdo[key], "aria-label": label });
   input.addEventListener("input", () => {
     const value = Number(input.value);
-    if (!Number.isInteger(value) || value < 0 || value > most) return;
-    pdo[key] = value;
-    changed();
+    take(input, input.value !== "" && Number.isInteger(value) && value >= 0 && value <= most, () => { pdo[key] = value; });
   });
-  return element("td", {}, input);
+  return element("td", { "data-label": title }, input);
 }
 
 function mapping(pdo) {
-  const cell = element("td", { class: "mapping" });
-  const nameOf = (object) => table.mappable.find((one) => one.object === object)?.name ?? "";
+  const cell = element("td", { class: "mapping", "data-label": "Mapped objects" });
+  const objectName = (object) => table.mappable.find((one) => one.object === object)?.name ?? "";
   pdo.mapped.forEach((one, place) => {
-    const take = () => {
+    const without = () => {
       pdo.mapped.splice(place, 1);
-      list();
+      list(pdo);
     };
-    cell.append(element("span", { class: "mapped", title: nameOf(one.object) }, element("code", {}, one.object), ` ${nameOf(one.object)} `, element("small", {}, `${one.bits} bit`),
-      element("button", { type: "button", class: "take", "data-writes": true, "aria-label": `Take ${one.object} out`, onclick: take }, "×")));
+    cell.append(element("span", { class: "mapped", title: objectName(one.object) }, element("code", {}, one.object), ` ${objectName(one.object)} `, element("small", {}, `${one.bits} bit`),
+      element("button", { type: "button", class: "take", "data-writes": true, "aria-label": `Take ${one.object} out`, onclick: without }, "×")));
   });
   const add = element("select", { "data-writes": true, "aria-label": "Map another object", class: "add" }, element("option", { value: "" }, "+ object"),
     ...table.mappable.filter((one) => (pdo.receive ? one.receive : one.transmit)).map((one) => element("option", { value: one.object }, `${one.object} ${one.name} (${one.bits} bit)`)));
@@ -89,14 +90,18 @@ function mapping(pdo) {
     const found = table.mappable.find((one) => one.object === add.value);
     if (!found) return;
     pdo.mapped.push({ object: found.object, bits: found.bits });
-    list();
+    list(pdo);
   });
   cell.append(add);
   return cell;
 }
 
+function nameOf(pdo) {
+  return `${pdo.receive ? "RPDO" : "TPDO"} ${pdo.number}`;
+}
+
 function row(pdo) {
-  const title = `${pdo.receive ? "RPDO" : "TPDO"} ${pdo.number}`;
+  const title = nameOf(pdo);
   const enabled = element("input", { type: "checkbox", "aria-label": `${title} is in use` });
   enabled.checked = pdo.enabled;
   enabled.addEventListener("change", () => {
@@ -105,32 +110,34 @@ function row(pdo) {
   });
   const id = element("input", { type: "text", class: "id", value: pdo.cob_id.toString(16).toUpperCase(), "aria-label": `Identifier of ${title}, hexadecimal` });
   id.addEventListener("input", () => {
-    if (!/^[0-9a-fA-F]{1,8}$/.test(id.value)) return;
-    pdo.cob_id = Number.parseInt(id.value, 16);
-    changed();
+    take(id, /^[0-9a-fA-F]{1,8}$/.test(id.value), () => { pdo.cob_id = Number.parseInt(id.value, 16); });
   });
-  const kinds = TYPES.some(([kind]) => kind === pdo.type) ? TYPES : [...TYPES, [pdo.type, String(pdo.type)]];
-  const kind = element("select", { "aria-label": `Transmission type of ${title}` }, ...kinds.map(([value, label]) => element("option", { value }, label)));
-  kind.value = String(pdo.type);
-  kind.addEventListener("change", () => {
-    pdo.type = Number(kind.value);
-    changed();
+  const kind = element("input", { type: "number", min: 0, max: 255, value: pdo.type, "aria-label": `Transmission type of ${title}` });
+  const words = element("small", { class: "quiet" });
+  kind.addEventListener("input", () => {
+    const value = Number(kind.value);
+    take(kind, kind.value !== "" && Number.isInteger(value) && value >= 0 && value <= 255, () => { pdo.type = value; });
   });
-  const rate = element("td", { class: "rate" });
+  const rate = element("td", { class: "rate", "data-label": "At most" });
   parts.rates.push(rate);
+  parts.kinds.push(words);
   const bits = pdo.mapped.reduce((sum, one) => sum + one.bits, 0);
+  const cell = (label, ...children) => element("td", { "data-label": label }, ...children);
   return element("tr", { "data-pdo": title },
-    element("th", {}, title), element("td", {}, enabled), element("td", {}, id), element("td", {}, kind),
-    numberField(pdo, "inhibit_time", `Inhibit time of ${title} in 100 µs`, 65_535),
-    numberField(pdo, "event_timer", `Event timer of ${title} in ms`, 65_535),
-    mapping(pdo), element("td", { class: "rate" }, `${bits} / 64`), rate);
+    element("th", {}, title), cell("In use", enabled), cell("Identifier", id), cell("Type", kind, words),
+    numberField(pdo, "inhibit_time", "Inhibit, 100 µs", `Inhibit time of ${title} in 100 µs`, 65_535),
+    numberField(pdo, "event_timer", "Timer, ms", `Event timer of ${title} in ms`, 65_535),
+    mapping(pdo), element("td", { class: "rate", "data-label": "Bits" }, `${bits} / 64`), rate);
 }
 
-function list() {
+/** All rows anew; who was at the mapping of a PDO still is. */
+function list(at = null) {
   if (!parts || !table) return;
   parts.rates = [];
+  parts.kinds = [];
   parts.rows.replaceChildren(...table.pdos.map(row));
   changed();
+  if (at) parts.rows.querySelector(`[data-pdo="${nameOf(at)}"] .add`)?.focus();
 }
 
 async function apply() {
@@ -145,7 +152,7 @@ async function apply() {
 /** Shows the page. */
 export function enter(place) {
   parts = {
-    rows: element("tbody"), rates: [], fits: false,
+    rows: element("tbody"), rates: [], kinds: [], fits: false,
     load: element("span", { class: "quiet", id: "load" }),
     problems: element("ul", { class: "problems", id: "problems" }),
     apply: element("button", { type: "button", class: "primary", id: "apply", onclick: apply }, "Apply"),
@@ -153,13 +160,15 @@ export function enter(place) {
     sync: element("input", { type: "number", id: "sync", min: 0.1, step: "any", value: 10 }),
     empty: element("p", { class: "empty" }, "No node was found yet: the page of the bus looks for them."),
   };
+  parts.nodes = element("select", { id: "pdo-node", "aria-label": "Node" });
+  parts.nodes.addEventListener("change", () => { location.hash = `#pdos/${parts.nodes.value}`; });
   parts.sync.addEventListener("input", plan);
-  const titles = ["PDO", "In use", "Identifier", "Transmission type", "Inhibit, 100 µs", "Timer, ms", "Mapped objects", "Bits", "At most"];
+  const titles = ["PDO", "In use", "Identifier", "Type", "Inhibit, 100 µs", "Timer, ms", "Mapped objects", "Bits", "At most"];
   parts.full = element("div", {},
     element("div", { class: "fields" }, element("label", { class: "narrow" }, element("span", {}, "SYNC every, ms"), parts.sync), parts.apply, parts.undo, parts.load),
     parts.problems,
-    element("div", { class: "scroll" }, element("table", { class: "log pdos" }, element("thead", {}, element("tr", {}, ...titles.map((title) => element("th", {}, title)))), parts.rows)));
-  place.append(element("div", { class: "title" }, element("h1", {}, "PDOs")), parts.empty, parts.full);
+    element("div", { class: "scroll whole" }, element("table", { class: "log pdos" }, element("thead", {}, element("tr", {}, ...titles.map((title) => element("th", {}, title)))), parts.rows)));
+  place.append(element("div", { class: "title" }, element("h1", {}, "PDOs"), parts.nodes), parts.empty, parts.full);
   parts.asked = Boolean(known.state?.nodes.length);
   load();
 }
@@ -175,12 +184,20 @@ export function update() {
   const has = known.state.nodes.length > 0;
   visible(parts.empty, !has);
   visible(parts.full, has);
+  visible(parts.nodes, has);
+  const names = known.state.nodes.map((one) => `${one.id} ${one.name}`).join();
+  if (parts.names !== names) {
+    parts.names = names;
+    parts.nodes.replaceChildren(...known.state.nodes.map((one) => element("option", { value: one.id }, `Node ${one.id}${one.name ? ` · ${one.name}` : ""}`)));
+  }
+  if (node !== null && document.activeElement !== parts.nodes) parts.nodes.value = String(node);
   if (has && !parts.asked) {
     parts.asked = true;
     load();
   }
   const isNew = table !== null && JSON.stringify(table.pdos) !== before;
-  mark(parts.apply, "disabled", !mayWrite() || !isNew || !parts.fits);
+  const isTyped = parts.rows.querySelector("[aria-invalid]") === null;
+  mark(parts.apply, "disabled", !mayWrite() || !isNew || !parts.fits || !isTyped);
   mark(parts.undo, "disabled", !isNew);
   for (const field of parts.rows.querySelectorAll("input, select, button")) mark(field, "disabled", !mayWrite());
 }

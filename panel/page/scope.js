@@ -1,25 +1,19 @@
 // The page of the scope: what the drive records in each control tick, and what its transmit PDOs bring live. Curves are drawn by uPlot:
-// drag to zoom, double click to see all; a click sets cursor A, a click with shift cursor B.
+// drag to zoom, double click to see all; a click sets cursor A, a click with shift cursor B. The arrow keys move them, + and - zoom.
 
 import uPlot from "./uplot/uPlot.esm.js";
 import { known, mayWrite, order } from "./connection.js";
 import { element, mark, number, show, toast, visible } from "./element.js";
 import { inks } from "./chart.js";
+import { Ring } from "./ring.js";
 
-// Values of a live channel that are kept: a minute at 1 kHz. What is older makes room.
-const KEPT = 60_000;
-const CHOICES = [
-  ["606Ch", "Velocity actual value"], ["6064h", "Position actual value"], ["6062h", "Position demand value"], ["60F4h", "Following error"],
-  ["606Bh", "Velocity demand value"], ["6041h", "Statusword"], ["6040h", "Controlword"], ["60FDh", "Digital inputs"],
-  ["6061h", "Mode"], ["607Ah", "Target position"], ["60FFh", "Target velocity"], ["603Fh", "Error code"],
-];
 const TRIGGERS = [
-  ["now", "At once"], ["606C>100", "It begins to move (606Ch > 100)"], ["6041#10", "Target reached (6041h bit 10)"],
+  ["now", "At once"], ["606C>100", "Movement (606Ch > 100)"], ["6041#10", "Target reached (bit 10)"],
   ["fault", "Fault"], ["own", "Another one ..."],
 ];
 const COLOURS = ["accent-ink", "warn-ink", "bad-ink", "good-ink", "blue-ink", "violet-ink", "quiet-ink", "text-ink"];
 
-const typed = { channels: new Set(["6062h", "6064h", "606Ch", "60F4h"]), trigger: "606C>100", own: "6064>1000", divider: "1", samples: "", before: "20" };
+const typed = { channels: new Set(["606Ch:00", "6064h:00", "6062h:00", "60F4h:00"]), trigger: "606C>100", own: "6064>1000", divider: "1", samples: "", before: "20" };
 let parts = null;
 let recording = null;
 let shown = 0;
@@ -29,34 +23,9 @@ let dropped = 0;
 let plots = [];
 let cursors = { a: null, b: null };
 let due = false;
-
-/** A ring of fixed length: times and values of a live channel. */
-class Ring {
-  constructor() {
-    this.at = new Float64Array(KEPT);
-    this.values = new Float64Array(KEPT);
-    this.count = 0;
-    this.next = 0;
-  }
-  push(at, value) {
-    this.at[this.next] = at;
-    this.values[this.next] = value;
-    this.next = (this.next + 1) % KEPT;
-    this.count = Math.min(KEPT, this.count + 1);
-  }
-  /** Both in the order of their time, from `since` on. */
-  since(since) {
-    const [at, values] = [[], []];
-    for (let step = 0; step < this.count; step += 1) {
-      const place = (this.next - this.count + step + KEPT) % KEPT;
-      if (this.at[place] < since) continue;
-      at.push(this.at[place]);
-      values.push(this.values[place]);
-    }
-    return [at, values];
-  }
-  last() { return this.count === 0 ? 0 : this.at[(this.next - 1 + KEPT) % KEPT]; }
-}
+// What the drive can record, and of which drive that is.
+let choices = [];
+let choicesOf = null;
 
 async function attempt(promise, done) {
   try {
@@ -72,22 +41,25 @@ async function attempt(promise, done) {
 function wish() {
   const whole = (text) => (text.trim() === "" ? null : Number(text));
   return {
-    channels: CHOICES.map(([object]) => object).filter((object) => typed.channels.has(object)).map((object) => object.replace("h", "")),
+    channels: choices.map((one) => one.object).filter((object) => typed.channels.has(object)),
     trigger: typed.trigger === "own" ? typed.own : typed.trigger,
     divider: whole(typed.divider), samples: whole(typed.samples), before: typed.trigger === "now" ? null : whole(typed.before),
   };
 }
 
-/** A curve by its place: `at` in seconds. */
+/** What came last, as it is drawn next. */
+function renew() {
+  const end = Math.max(...live.rings.map((ring) => ring.last()), 0);
+  const span = Number(parts.span.value);
+  live.curves = live.channels.map((channel, place) => {
+    const [at, values] = live.rings[place].since(end - span, end);
+    return { name: `${channel.object} ${channel.name}`, at, values };
+  });
+}
+
+/** The curves that are drawn: `at` in seconds. */
 function curves() {
-  if (live) {
-    const end = Math.max(...live.rings.map((ring) => ring.last()), 0);
-    const span = Number(parts.span.value);
-    return live.channels.map((channel, place) => {
-      const [at, values] = live.rings[place].since(end - span);
-      return { name: `${channel.object} ${channel.name}`, at: at.map((time) => time - end), values };
-    });
-  }
+  if (live) return live.curves;
   if (!recording) return [];
   return recording.report.channels.map((channel) => ({ name: channel.name, at: recording.report.time_s, values: channel.values }));
 }
@@ -164,6 +136,8 @@ function make() {
       series: [{}, { stroke: colours[place % colours.length], width: 1.6, points: { show: false } }],
       hooks: {
         draw: [markCursors],
+        // Whoever looks closer wants it to stand.
+        setSelect: [() => pause(true)],
         setScale: [(self, key) => {
           if (key !== "x" || self.zooming) return;
           for (const other of plots) {
@@ -189,13 +163,62 @@ function make() {
 function draw() {
   due = false;
   if (!parts || !live || parts.paused) return;
+  renew();
   const all = curves();
   if (plots.length !== all.length) {
     parts.pictures.replaceChildren();
     make();
   } else {
     all.forEach((curve, place) => plots[place].setData([curve.at, curve.values]));
+    if (cursors.a !== null || cursors.b !== null) readCursors();
   }
+  live.drawn += 1;
+}
+
+/** How many pictures a second there are. */
+function pace() {
+  const now = performance.now();
+  const took = now - live.since;
+  if (took >= 1000) {
+    live.pace = Math.round((live.drawn * 1000) / took);
+    live.drawn = 0;
+    live.since = now;
+  }
+  return live.pace;
+}
+
+/** A live picture stands, or goes on. */
+function pause(is) {
+  if (!live || parts.paused === is) return;
+  parts.paused = is;
+  show(parts.pause, is ? "Go on" : "Pause");
+}
+
+function showAll() {
+  for (const plot of plots) plot.setData(plot.data);
+}
+
+/** The same with the keyboard. */
+function key(event) {
+  const [plot] = plots;
+  if (!plot || event.target !== parts.pictures) return;
+  const { min, max } = plot.scales.x;
+  const move = (by) => {
+    const which = event.shiftKey ? "b" : "a";
+    const at = (cursors[which] ?? (min + max) / 2) + (by * (max - min)) / 100;
+    cursors = { ...cursors, [which]: Math.min(max, Math.max(min, at)) };
+    readCursors();
+    for (const one of plots) one.redraw();
+  };
+  const zoom = (factor) => {
+    pause(true);
+    const centre = Math.min(max, Math.max(min, cursors.a ?? (min + max) / 2));
+    plot.setScale("x", { min: centre - (centre - min) * factor, max: centre + (max - centre) * factor });
+  };
+  const keys = { ArrowLeft: () => move(-1), ArrowRight: () => move(1), "+": () => zoom(0.5), "-": () => zoom(2), Home: showAll };
+  if (!keys[event.key]) return;
+  event.preventDefault();
+  keys[event.key]();
 }
 
 async function fetchRecording() {
@@ -226,7 +249,8 @@ async function setLive(on) {
       toast("No transmit PDO is in use: the page PDOs sets them up");
       return;
     }
-    live = { channels, rings: channels.map(() => new Ring()) };
+    live = { channels, rings: channels.map(() => new Ring()), curves: [], drawn: 0, pace: null, since: performance.now() };
+    pause(false);
     dropped = 0;
     await attempt(order("live", { on: true }));
   }
@@ -304,22 +328,41 @@ function field(key, label, properties = {}) {
   return element("label", {}, element("span", {}, label), input);
 }
 
+/** A channel is wanted, or no longer; the recorder has eight. */
+function want(object, is) {
+  if (!is) typed.channels.delete(object);
+  else if (typed.channels.size < 8) typed.channels.add(object);
+  else toast("The recorder has eight channels");
+  chips();
+}
+
+/** The usual channels and those that were chosen; a list has the others. */
+function chips() {
+  if (!parts) return;
+  const focused = document.activeElement?.dataset.object;
+  const isShown = (one) => one.is_usual || typed.channels.has(one.object);
+  const add = element("select", { "aria-label": "Record another object", class: "add" }, element("option", { value: "" }, "+ object"),
+    ...choices.filter((one) => !isShown(one)).map((one) => element("option", { value: one.object }, `${one.object} ${one.name}`)));
+  add.addEventListener("change", () => want(add.value, true));
+  const made = choices.filter(isShown).map((one) => {
+    const is = typed.channels.has(one.object);
+    return element("button", { type: "button", class: "chip", "data-object": one.object, "aria-pressed": String(is), onclick: () => want(one.object, !is) }, `${one.object.replace(":00", "")} ${one.name}`);
+  });
+  parts.chips.replaceChildren(...made, add);
+  made.find((chip) => chip.dataset.object === focused)?.focus();
+}
+
+/** What the drive can record. */
+async function choose(drive) {
+  const name = `${drive.node} ${drive.name} ${drive.has_recorder}`;
+  if (choicesOf === name || !known.connected) return;
+  choicesOf = name;
+  choices = (await attempt(order("recordable"))) ?? [];
+  chips();
+}
+
 /** Shows the page. */
 export function enter(place) {
-  const chips = CHOICES.map(([object, name]) => {
-    const button = element("button", { type: "button", class: "chip", title: name, "aria-pressed": String(typed.channels.has(object)) }, `${object} ${name}`);
-    button.addEventListener("click", () => {
-      if (!typed.channels.delete(object)) {
-        if (typed.channels.size === 8) {
-          toast("The recorder has eight channels");
-          return;
-        }
-        typed.channels.add(object);
-      }
-      button.setAttribute("aria-pressed", String(typed.channels.has(object)));
-    });
-    return button;
-  });
   const trigger = element("select", { id: "scope-trigger" }, ...TRIGGERS.map(([value, label]) => element("option", { value }, label)));
   trigger.value = typed.trigger;
   const own = field("own", "Trigger, as 606C>500 or 6041#10=0");
@@ -335,34 +378,36 @@ export function enter(place) {
     stop: button("Stop the recorder", () => attempt(order("stop_recorder")), { "data-writes": true }),
     live: button("Live", () => setLive(!live), { id: "live" }),
     span: element("select", { "aria-label": "Live span", id: "live-span" }, ...[1, 2, 5, 10, 30, 60].map((span) => element("option", { value: span }, `${span} s`))),
-    pause: button("Pause", () => {
-      parts.paused = !parts.paused;
-      show(parts.pause, parts.paused ? "Go on" : "Pause");
-    }),
-    words: element("p", { class: "quiet", id: "scope-words", role: "status" }),
-    pictures: element("div", { class: "curves", id: "curves" }),
+    pause: button("Pause", () => pause(!parts.paused)),
+    chips: element("div", { class: "chips", role: "group", "aria-label": "Channels" }),
+    words: element("p", { class: "quiet grow", id: "scope-words" }),
+    pictures: element("div", { class: "curves", id: "curves", tabindex: 0, role: "group", onkeydown: key, "aria-label": "Curves: the arrow keys move cursor A, with shift cursor B; plus and minus zoom, Home shows all" }),
     cursors: element("tbody", { id: "cursors" }),
     empty: element("p", { class: "empty" }, "Nothing was recorded yet. Choose channels, press Record, and move the drive: the recording is shown when its trigger has come. Live shows what the transmit PDOs bring."),
+    without: element("p", { class: "quiet" }, "This drive has no recorder (20D0h). Live shows what its transmit PDOs bring."),
   };
   parts.span.value = "5";
   parts.none = element("div", { class: "empty" }, element("p", {}, "No drive is open."), element("a", { class: "button primary", href: "#bus" }, "Go to the bus"));
   parts.result = element("section", { class: "card" },
-    element("div", { class: "line" }, parts.words, button("All", () => { for (const plot of plots) plot.setData(plot.data); }), button("CSV", csv, { id: "csv" }), button("PNG", png, { id: "png" })),
+    element("div", { class: "line" }, parts.words, button("All", showAll), button("CSV", csv, { id: "csv" }), button("PNG", png, { id: "png" })),
     parts.pictures,
-    element("p", { class: "quiet" }, "Drag to zoom, double click to see all. The dotted line is the trigger. A click sets cursor A, with shift cursor B."),
+    element("p", { class: "quiet" }, "Drag to zoom, double click to see all. The dotted line is the trigger. A click sets cursor A, with shift cursor B; so do the arrow keys, and + and − zoom."),
     element("div", { class: "scroll low" }, element("table", { class: "log" },
       element("thead", {}, element("tr", {}, ...["Channel", "A", "B", "B − A"].map((title) => element("th", {}, title)))), parts.cursors)));
+  parts.recorder = element("div", { class: "recorder" },
+    parts.chips,
+    element("div", { class: "fields" },
+      element("label", {}, element("span", {}, "Trigger"), trigger), own,
+      field("before", "Before the trigger, %", { inputmode: "numeric" }),
+      field("divider", "One sample every … control ticks", { inputmode: "numeric" }),
+      field("samples", "Samples", { inputmode: "numeric", placeholder: "all there is room for" })));
   parts.full = element("div", {},
     element("section", { class: "card" },
       element("h2", {}, "Recorder"),
-      element("div", { class: "chips", role: "group", "aria-label": "Channels" }, ...chips),
-      element("div", { class: "fields" },
-        element("label", {}, element("span", {}, "Trigger"), trigger), own,
-        field("before", "Older than the trigger, %", { inputmode: "numeric" }),
-        field("divider", "Control ticks from sample to sample", { inputmode: "numeric" }),
-        field("samples", "Samples", { inputmode: "numeric", placeholder: "all there is room for" })),
+      parts.without, parts.recorder,
       element("div", { class: "line" }, parts.record, parts.stop, element("span", { class: "grow" }), parts.live, parts.span, parts.pause)),
     parts.empty, parts.result);
+  chips();
   place.append(element("div", { class: "title" }, element("h1", {}, "Scope")), parts.none, parts.full);
   parts.sized = new ResizeObserver(() => {
     for (const plot of plots) plot.setSize({ width: Math.max(200, parts.pictures.clientWidth), height: plot.height });
@@ -392,6 +437,11 @@ export function update() {
   visible(parts.full, Boolean(drive));
   if (!known.connected) live = null;
   if (recordings !== shown && recordings > 0) fetchRecording();
+  if (drive) {
+    choose(drive);
+    for (const part of [parts.recorder, parts.record, parts.stop]) visible(part, drive.has_recorder);
+    visible(parts.without, !drive.has_recorder);
+  }
   const may = mayWrite() && Boolean(drive);
   mark(parts.record, "disabled", !may || Boolean(recorder));
   mark(parts.stop, "disabled", !may || !recorder);
@@ -400,7 +450,7 @@ export function update() {
   visible(parts.pause, Boolean(live));
   visible(parts.span, Boolean(live));
   if (live) {
-    show(parts.words, `Live: ${live.channels.length} channels of ${new Set(live.channels.map((one) => one.pdo)).size} PDOs${dropped ? `, ${dropped} frames or messages were too many to tell` : ""}`);
+    show(parts.words, `Live: ${live.channels.length} channels of ${new Set(live.channels.map((one) => one.pdo)).size} PDOs${pace() === null ? "" : `, ${pace()} pictures/s`}${dropped ? `, ${dropped} frames or messages were too many to tell` : ""}`);
   } else if (recording) {
     const { report } = recording;
     show(parts.words, `Recording ${recording.number} of node ${report.node}: ${report.samples} samples, one every ${+(report.period_s * 1000).toFixed(3)} ms`);

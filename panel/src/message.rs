@@ -11,8 +11,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::fsa::Transition;
 pub use pdos::{Mappable, Mapped, Pdo, PdoPlan, PdoTable};
-pub use scope::{LiveChannel, LiveValues, Recorded, Recorder, Wish};
-pub use state::{BusState, Drive, Guard, Homing, LegalTransition, Mode, NodeState, State, Word};
+pub use scope::{LiveChannel, LiveValues, Recordable, Recorded, Recorder, Wish};
+pub use state::{
+    BusState, Drive, Guard, Homing, LegalTransition, Mode, NodeState, SetPoint, State, Word,
+};
 
 /// What a window wants, with a number of its own that the reply carries.
 #[derive(Clone, Debug, Deserialize)]
@@ -111,6 +113,15 @@ pub enum Order {
         /// What is in it.
         text: String,
     },
+    /// Use a data sheet that a person has at hand.
+    Sheet {
+        /// For which node.
+        node: u8,
+        /// What the file is called.
+        name: String,
+        /// What is in it.
+        text: String,
+    },
     /// All PDOs of a node.
     Pdos {
         /// Of which node.
@@ -134,6 +145,8 @@ pub enum Order {
     },
     /// What the transmit PDOs of the drive bring; from now on they are followed.
     Channels,
+    /// What the recorder of the drive can record.
+    Recordable,
     /// Arm the recorder of the drive.
     Record(Wish),
     /// Stop the recorder.
@@ -171,6 +184,17 @@ pub enum Order {
         relative: bool,
         /// 6081h; as it is if nothing is said.
         velocity: Option<u32>,
+        /// 6083h; as it is if nothing is said.
+        #[serde(default)]
+        acceleration: Option<u32>,
+        /// 6084h; as it is if nothing is said.
+        #[serde(default)]
+        deceleration: Option<u32>,
+    },
+    /// The set-point of the mode at work, where it is a velocity or a torque.
+    SetPoint {
+        /// In units of the user.
+        value: i32,
     },
     /// Run as long as beats come.
     Jog {
@@ -208,7 +232,11 @@ impl Order {
         self.is_for_watchers()
             || matches!(
                 self,
-                Self::Scan | Self::Choose { .. } | Self::Dump { .. } | Self::Compare { .. }
+                Self::Scan
+                    | Self::Choose { .. }
+                    | Self::Sheet { .. }
+                    | Self::Dump { .. }
+                    | Self::Compare { .. }
             )
     }
 
@@ -221,6 +249,7 @@ impl Order {
                 | Self::Pdos { .. }
                 | Self::PlanPdos { .. }
                 | Self::Channels
+                | Self::Recordable
                 | Self::Recording
         )
     }
@@ -341,6 +370,8 @@ pub enum Answer {
     Plan(PdoPlan),
     /// What transmit PDOs bring.
     Channels(Vec<LiveChannel>),
+    /// What can be recorded.
+    Recordable(Vec<Recordable>),
     /// A recording.
     Recording(Box<Recorded>),
 }
@@ -393,6 +424,8 @@ pub struct LoggedFrame {
     pub bytes: String,
     /// The service.
     pub kind: &'static str,
+    /// Whose identifier it is in the predefined connection set.
+    pub node: Option<u8>,
     /// What it means.
     pub meaning: String,
     /// Whether the panel has sent it.

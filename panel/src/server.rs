@@ -7,6 +7,7 @@ use std::sync::mpsc::{SyncSender, TrySendError};
 use std::time::Duration;
 
 use axum::Router;
+use axum::body::Bytes;
 use axum::extract::State;
 use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
 use axum::http::{HeaderMap, StatusCode, Uri, header};
@@ -16,7 +17,7 @@ use tokio::net::TcpListener;
 use tokio::sync::broadcast;
 use tokio::sync::broadcast::error::RecvError;
 use tokio::sync::mpsc;
-use tokio::time::timeout;
+use tokio::time::{Instant, MissedTickBehavior, interval, timeout};
 
 use crate::desk::Desk;
 use crate::message::{Answer, Event, Order, Outcome, Request};
@@ -32,8 +33,14 @@ const LONGEST_MESSAGE: usize = 8 * 1024 * 1024;
 /// Replies that wait for a window.
 const REPLIES: usize = 64;
 
-/// How long a window may leave a message unread.
+/// How long a window may leave a message unread, and how long nothing may come from it: the cable may be out.
 const PATIENCE: Duration = Duration::from_secs(5);
+
+/// How often a window is asked whether it is still there; a browser answers by itself, also for a page in the background.
+const PING: Duration = Duration::from_secs(1);
+
+/// From a look at who may write to the next.
+const GLANCE: Duration = Duration::from_millis(250);
 
 /// The page loads nothing from elsewhere, and nobody else may frame it.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; \
@@ -153,6 +160,9 @@ impl Window {
         if !send(&mut socket, &json(&hello)).await {
             return;
         }
+        let mut glance = interval(GLANCE);
+        glance.set_missed_tick_behavior(MissedTickBehavior::Delay);
+        let mut presence = Presence::new(Instant::now());
         loop {
             let now = Some(self.shared.desk.writer());
             if writer != now {
@@ -167,15 +177,29 @@ impl Window {
             let text = tokio::select! {
                 // What a person does comes first.
                 biased;
-                message = socket.recv() => match message {
-                    Some(Ok(Message::Text(text))) => {
-                        if !self.hear(&text) {
+                message = socket.recv() => {
+                    presence.heard(Instant::now());
+                    match message {
+                        Some(Ok(Message::Text(text))) => {
+                            if !self.hear(&text) {
+                                return;
+                            }
+                            continue;
+                        }
+                        Some(Ok(Message::Close(_)) | Err(_)) | None => return,
+                        Some(Ok(_)) => continue,
+                    }
+                },
+                now = glance.tick() => match presence.at(now) {
+                    Present::Gone => return,
+                    Present::Asked => {
+                        if !deliver(&mut socket, Message::Ping(Bytes::new())).await {
                             return;
                         }
                         continue;
                     }
-                    Some(Ok(Message::Close(_)) | Err(_)) | None => return,
-                    Some(Ok(_)) => continue,
+                    // Another window may have taken control.
+                    Present::Yes => continue,
                 },
                 Some(reply) = self.from_session.recv() => json(&reply),
                 changed = states.changed() => match changed {
@@ -184,8 +208,6 @@ impl Window {
                 },
                 frames = next(&mut self.frames) => frames,
                 values = next(&mut self.live) => values,
-                // Another window may have taken control.
-                () = tokio::time::sleep(Duration::from_millis(250)) => continue,
             };
             if !send(&mut socket, &text).await {
                 return;
@@ -262,10 +284,50 @@ async fn next(batches: &mut Option<broadcast::Receiver<Arc<str>>>) -> Arc<str> {
 
 /// Returns false when nobody reads any more.
 async fn send(socket: &mut WebSocket, text: &str) -> bool {
-    matches!(
-        timeout(PATIENCE, socket.send(Message::text(text))).await,
-        Ok(Ok(()))
-    )
+    deliver(socket, Message::text(text)).await
+}
+
+async fn deliver(socket: &mut WebSocket, message: Message) -> bool {
+    matches!(timeout(PATIENCE, socket.send(message)).await, Ok(Ok(())))
+}
+
+/// Whether a window is still there. A connection whose cable is out, or whose computer sleeps, does not end by itself.
+#[derive(Debug)]
+struct Presence {
+    heard: Instant,
+    asked: Instant,
+}
+
+#[derive(Debug, PartialEq, Eq)]
+enum Present {
+    Yes,
+    /// It is to be asked.
+    Asked,
+    Gone,
+}
+
+impl Presence {
+    fn new(now: Instant) -> Self {
+        Self {
+            heard: now,
+            asked: now,
+        }
+    }
+
+    fn heard(&mut self, now: Instant) {
+        self.heard = now;
+    }
+
+    fn at(&mut self, now: Instant) -> Present {
+        if now.duration_since(self.heard) >= PATIENCE {
+            return Present::Gone;
+        }
+        if now.duration_since(self.asked) < PING {
+            return Present::Yes;
+        }
+        self.asked = now;
+        Present::Asked
+    }
 }
 
 #[cfg(test)]
@@ -311,6 +373,23 @@ mod tests {
         drop(writer);
         assert_eq!(shared.desk.counts(), counts(1, 2, 1));
         assert!(!watcher.hear("no page of ours"));
+    }
+
+    #[test]
+    fn a_window_that_answers_nothing_is_gone() {
+        let start = Instant::now();
+        let at = |milliseconds| start + Duration::from_millis(milliseconds);
+        let mut presence = Presence::new(start);
+        let asked = |presence: &mut Presence, from: u64, to: u64| {
+            let glances = (from..to).step_by(250);
+            let told: Vec<_> = glances.map(|time| presence.at(at(time))).collect();
+            assert!(!told.contains(&Present::Gone), "{told:?}");
+            told.iter().filter(|one| **one == Present::Asked).count()
+        };
+        assert_eq!(asked(&mut presence, 0, 5_000), 4);
+        presence.heard(at(4_900));
+        assert_eq!(asked(&mut presence, 5_000, 9_900), 5);
+        assert_eq!(presence.at(at(9_900)), Present::Gone);
     }
 
     #[tokio::test]

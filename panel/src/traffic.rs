@@ -13,6 +13,16 @@ use crate::message::{LoggedFrame, NodeState};
 /// Emergency messages that are kept of each node.
 const EMERGENCIES: usize = 8;
 
+/// A node that was silent for so long is lost, or for so many of its heartbeats.
+const LOST_AFTER: Duration = Duration::from_ticks(1_000_000);
+const LOST_BEATS: u32 = 3;
+
+/// The boot-up message, and the NMT states in a heartbeat (CiA 301).
+const BOOT_UP: u8 = 0x00;
+const STOPPED: u8 = 0x04;
+const OPERATIONAL: u8 = 0x05;
+const PRE_OPERATIONAL: u8 = 0x7F;
+
 /// What is known of a node.
 #[derive(Clone, Debug, Default)]
 pub struct Known {
@@ -20,10 +30,24 @@ pub struct Known {
     pub told: NodeState,
     /// Its last frame.
     pub last: Option<Instant>,
-    /// Its NMT state, as its heartbeat has told it.
+    /// Its last heartbeat, and the time from the one before to it.
+    pub beat: Option<(Instant, Option<Duration>)>,
+    /// Its NMT state, as its heartbeat has told it, or as the last NMT command has ordered it.
     pub state: Option<u8>,
+    /// It has started anew, and nobody has minded it yet.
+    has_booted: bool,
     /// How often it was asked who it is since it was heard.
     pub asked: u8,
+}
+
+impl Known {
+    /// Whether its heartbeats have ended, and it was not heard otherwise.
+    fn is_lost(&self, age: impl Fn(Instant) -> Duration) -> bool {
+        let (Some((_, Some(period))), Some(last)) = (self.beat, self.last) else {
+            return false;
+        };
+        age(last) > LOST_AFTER.max(period * LOST_BEATS)
+    }
 }
 
 /// Follows the bus.
@@ -69,6 +93,12 @@ impl Traffic {
         self.nodes.get(&id)
     }
 
+    /// Whether a node has started anew since this was asked last.
+    pub fn take_boot(&mut self, id: u8) -> bool {
+        let known = self.nodes.get_mut(&id);
+        known.is_some_and(|known| std::mem::take(&mut known.has_booted))
+    }
+
     /// How many emergency messages have told an error.
     pub fn emergencies(&self) -> u64 {
         self.emergencies
@@ -90,8 +120,11 @@ impl Traffic {
 
     /// Follows a frame; in words if they are wanted.
     pub fn follow(&mut self, passed: &Passed, in_words: bool) -> Option<LoggedFrame> {
-        if !passed.own {
-            self.hear(passed);
+        match (passed.own, passed.frame.standard_id()) {
+            // Of any master: a node without a heartbeat tells its state to nobody.
+            (_, Some(0x000)) => self.command(passed.frame.payload()),
+            (false, Some(cob_id)) => self.hear(passed, cob_id),
+            _ => {}
         }
         // A segment means nothing without its transfer, so all are followed.
         let meaning = self.interpreter.meaning(&passed.frame);
@@ -100,23 +133,48 @@ impl Traffic {
             id: candump::identifier(&passed.frame),
             bytes: bytes(passed),
             kind: kind(passed),
+            node: node(passed),
             meaning,
             own: passed.own,
         })
     }
 
-    fn hear(&mut self, passed: &Passed) {
-        let Some(cob_id) = passed.frame.standard_id() else {
+    /// An NMT command to one node, or to all (0).
+    fn command(&mut self, payload: &[u8]) {
+        let [command, node] = *payload else {
             return;
         };
+        let state = match command {
+            0x01 => OPERATIONAL,
+            0x02 => STOPPED,
+            0x80 => PRE_OPERATIONAL,
+            // A reset: the node tells when it is there again.
+            _ => return,
+        };
+        for (id, known) in &mut self.nodes {
+            if node == 0 || node == *id {
+                known.state = Some(state);
+            }
+        }
+    }
+
+    fn hear(&mut self, passed: &Passed, cob_id: u16) {
         let Ok(id @ 1..=127) = u8::try_from(cob_id & 0x7F) else {
             return;
         };
         match (cob_id & 0x780, passed.frame.payload()) {
             (0x700, [state]) => {
                 let known = self.node_mut(id);
-                known.state = Some(*state);
                 known.last = Some(passed.at);
+                if *state == BOOT_UP {
+                    // It goes on to pre-operational by itself, and may send no heartbeat.
+                    (known.state, known.beat) = (Some(PRE_OPERATIONAL), None);
+                    known.has_booted = true;
+                } else {
+                    let since = |(at, _): (Instant, _)| passed.at.checked_duration_since(at);
+                    known.beat = Some((passed.at, known.beat.and_then(since)));
+                    known.state = Some(*state);
+                }
             }
             (0x080, [low, high, register, ..]) => {
                 let code = u16::from_le_bytes([*low, *high]);
@@ -140,12 +198,14 @@ impl Traffic {
 
     /// The nodes as they are now.
     pub fn nodes(&self, now: Instant) -> Vec<NodeState> {
+        let none = Duration::from_ticks(0);
+        let age = |at: Instant| now.checked_duration_since(at).unwrap_or(none);
+        let tenths = |at: Instant| age(at).to_millis() / 100;
         let tell = |known: &Known| NodeState {
             state: known.state.map(node_state),
-            silent: known.last.map(|last| {
-                let silent = now.checked_duration_since(last);
-                silent.map_or(0, |silent| silent.to_millis() / 100)
-            }),
+            silent: known.last.map(tenths),
+            heartbeat: known.beat.map(|(at, _)| tenths(at)),
+            is_lost: known.is_lost(age),
             ..known.told.clone()
         };
         self.nodes.values().map(tell).collect()
@@ -192,6 +252,16 @@ fn kind(passed: &Passed) -> &'static str {
     }
 }
 
+/// Whose identifier it is in the predefined connection set.
+fn node(passed: &Passed) -> Option<u8> {
+    match passed.frame.standard_id()? {
+        id @ (0x081..=0x0FF | 0x181..=0x67F | 0x701..=0x77F) => {
+            Some((id & 0x7F) as u8).filter(|node| *node != 0)
+        }
+        _ => None,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -221,6 +291,63 @@ mod tests {
             nodes[0].emergencies,
             ["0.200000 8130h life guard or heartbeat error (register 11h)"]
         );
+    }
+
+    #[test]
+    fn a_node_whose_heartbeat_ends_is_lost() {
+        let mut traffic = Traffic::new();
+        let node = |traffic: &Traffic, at: u64| traffic.nodes(Instant::from_ticks(at))[0].clone();
+        traffic.follow(&passed(0, 0x704, &[0x00]), false);
+        assert!(traffic.take_boot(4) && !traffic.take_boot(4));
+        let told = node(&traffic, 60_000_000);
+        assert_eq!(
+            (told.state, told.heartbeat, told.is_lost),
+            (Some("pre-operational"), None, false),
+            "it may have none"
+        );
+        for at in [60_000_000, 60_500_000, 61_000_000] {
+            traffic.follow(&passed(at, 0x704, &[0x05]), false);
+        }
+        let told = node(&traffic, 62_400_000);
+        assert_eq!(
+            (told.state, told.heartbeat, told.is_lost),
+            (Some("operational"), Some(14), false)
+        );
+        assert!(node(&traffic, 62_600_000).is_lost);
+        // Somebody has switched its heartbeat off, and it answers.
+        traffic.follow(
+            &passed(62_500_000, 0x584, &[0x43, 0, 0, 0, 0, 0, 0, 0]),
+            false,
+        );
+        assert!(!node(&traffic, 62_600_000).is_lost);
+    }
+
+    #[test]
+    fn an_nmt_command_tells_the_state_of_those_without_a_heartbeat() {
+        let mut traffic = Traffic::new();
+        for id in [0x704, 0x705] {
+            traffic.follow(&passed(0, id, &[0x00]), false);
+        }
+        let states = |traffic: &Traffic| {
+            let nodes = traffic.nodes(Instant::from_ticks(0));
+            nodes
+                .iter()
+                .filter_map(|node| node.state)
+                .collect::<Vec<_>>()
+        };
+        for (command, expected) in [
+            ([0x01, 0], ["operational", "operational"]),
+            ([0x02, 4], ["stopped", "operational"]),
+            ([0x80, 5], ["stopped", "pre-operational"]),
+            ([0x81, 4], ["stopped", "pre-operational"]),
+        ] {
+            let command = Passed {
+                own: command[1] != 5,
+                ..passed(0, 0, &command)
+            };
+            traffic.follow(&command, false);
+            assert_eq!(states(&traffic), expected);
+        }
     }
 
     #[test]

@@ -7,7 +7,11 @@ import shutil
 import pytest
 from playwright.sync_api import expect, sync_playwright
 
+from conftest import ROOT
 from server import Server
+
+#: What the drive moves, as that of `demo --panel` does.
+BELT = ROOT / "sim" / "plants" / "with_motor" / "belt.toml"
 
 #: The browser asks nobody outside for anything.
 FLAGS = (
@@ -92,14 +96,21 @@ def give_node_id(window):
     expect(window.locator("#state")).to_have_text("Switch on disabled")
 
 
+def open_drive(start, panel, **options):
+    """The page of a drive that has a node-ID, and a motor that moves a belt."""
+    bus = start(arguments=["--node-id", "4", "--plant", BELT])
+    one = panel("--slcan", f"127.0.0.1:{bus.port}")
+    one.slcan = f"127.0.0.1:{bus.port}"
+    window = one.open(**options)
+    window.click("text=Open drive")
+    expect(window.locator("#state")).to_have_text("Switch on disabled")
+    return one, window
+
+
 def enable(window):
     window.click("#enable")
     expect(window.locator("#state")).to_have_text("Operation enabled")
     expect(window.locator("#guard")).to_have_text("The drive watches the panel's heartbeat (1016h).")
-
-
-def position(window):
-    return int(re.sub(r"\s", "", window.inner_text("#position")))
 
 
 def velocity(window):
@@ -111,6 +122,73 @@ def open_page(window, page, title):
     window.click(f"nav a[href='#{page}']")
     expect(window.locator("h1")).to_have_text(title)
 
+
+#: The pages, with their titles once a drive is open.
+PAGES = [
+    ("bus", "Bus"),
+    ("drive", "Axis402 CiA 402 drive · node 4"),
+    ("scope", "Scope"),
+    ("objects", "Objects"),
+    ("pdos", "PDOs"),
+    ("log", "Log"),
+]
+
+def move_with_the_mouse(window):
+    """From a drive without a node-ID to a finished move."""
+    give_node_id(window)
+    enable(window)
+    window.click("#move-to")
+    expect(window.locator("#position")).to_have_text("5\u202f000")
+    window.click("#move-by")
+    expect(window.locator("#position")).to_have_text("6\u202f000")
+    expect(window.locator("#statusword")).to_contain_text("target reached")
+
+
+def show_page(window, page, title):
+    """A page with something on it."""
+    open_page(window, page, title)
+    if page == "objects":
+        expect(window.locator(".object").first).to_be_visible()
+    if page == "log":
+        expect(window.locator("#frames tr").first).to_be_visible()
+    if page == "pdos":
+        expect(window.locator("tr[data-pdo]")).to_have_count(8)
+
+
+#: Words that are hard to read: whose contrast with what is behind them is below 4.5 (WCAG 2, AA). What is switched off may be faint.
+FAINT = """() => {
+  const read = (text) => {
+    const found = text.match(/[\\d.]+/g).map(Number);
+    const [red, green, blue] = text.startsWith('color(') ? found.slice(0, 3).map((part) => part * 255) : found;
+    return { channels: [red, green, blue], alpha: found[3] ?? 1 };
+  };
+  const over = (front, back) => back.map((value, place) => front.channels[place] * front.alpha + value * (1 - front.alpha));
+  const behind = (element) => {
+    if (!element) return [255, 255, 255];
+    const style = getComputedStyle(element);
+    const box = element.matches('svg .state') && element.querySelector('rect');
+    return over(read(box ? getComputedStyle(box).fill : style.backgroundColor), behind(element.parentElement));
+  };
+  const light = (channels) => {
+    const [red, green, blue] = channels.map((value) => (value <= 10 ? value / 3294 : ((value / 255 + 0.055) / 1.055) ** 2.4));
+    return 0.2126 * red + 0.7152 * green + 0.0722 * blue;
+  };
+  const contrast = (one, other) => {
+    const [high, low] = [light(one), light(other)].sort((a, b) => b - a);
+    return (high + 0.05) / (low + 0.05);
+  };
+  const words = [...document.body.querySelectorAll('*')].filter((element) =>
+    [...element.childNodes].some((node) => node.nodeType === 3 && node.textContent.trim())
+    && element.getClientRects().length && !element.closest('[disabled], option, script, noscript, #toasts'));
+  const shown = words.map((element) => {
+    const style = getComputedStyle(element);
+    const back = behind(element);
+    const ink = read(element.closest('svg') ? style.fill : style.color);
+    ink.alpha *= Number(style.opacity);
+    return [element.textContent.trim().slice(0, 40), Math.round(contrast(over(ink, back), back) * 10) / 10];
+  });
+  return shown.filter(([, contrast]) => contrast < 4.5);
+}"""
 
 #: How far two pictures are apart: the mean difference of their colours, 0 to 1, each drawn on few points.
 DIFFERENCE = """async ([one, other]) => {

@@ -1,12 +1,9 @@
 """The panel in a real browser, with the mouse and the keyboard, in front of a virtual drive.
 
-`--pictures FOLDER` keeps a picture of each page; those in `docs` are made so (`cargo xtask book --pictures`), and compared here.
 How soon a drive stands is measured on virtual time, in the tests of the crate `panel`; here it is seen what is sent, and in which order.
 """
 
 import os
-import pathlib
-import re
 import subprocess
 import time
 
@@ -14,23 +11,23 @@ import can
 import pytest
 from playwright.sync_api import expect
 
-from conftest import EDS, NODE_ID, ROOT
-from panel_window import PATIENCE, browser, difference, enable, give_node_id, open_page, panel, position, velocity  # noqa: F401
+from conftest import EDS, NODE_ID
+from panel_window import (  # noqa: F401
+    FAINT,
+    PAGES,
+    PATIENCE,
+    browser,
+    enable,
+    give_node_id,
+    move_with_the_mouse,
+    open_drive,
+    open_page,
+    panel,
+    show_page,
+    velocity,
+)
 
 pytestmark = pytest.mark.only("virtual")
-
-#: The pages, with their titles once a drive is open.
-PAGES = [
-    ("bus", "Bus"),
-    ("drive", "Axis402 CiA 402 drive · node 4"),
-    ("scope", "Scope"),
-    ("objects", "Objects"),
-    ("pdos", "PDOs"),
-    ("log", "Log"),
-]
-
-#: A picture in docs may be so far from the one of this run: numbers and a curve that moves, no more.
-LIKENESS = 0.02
 
 #: A busy PC may let a jog end before it has begun.
 ATTEMPTS = 8
@@ -51,41 +48,6 @@ HIDE = (
 )
 
 
-def move_with_the_mouse(window):
-    """From a drive without a node-ID to a finished move."""
-    give_node_id(window)
-    enable(window)
-    window.click("#move-to")
-    expect(window.locator("#position")).to_have_text("5\u202f000")
-    window.click("#move-by")
-    expect(window.locator("#position")).to_have_text("6\u202f000")
-    expect(window.locator("#statusword")).to_contain_text("target reached")
-
-
-def show_page(window, page, title):
-    """A page with something on it."""
-    open_page(window, page, title)
-    if page == "objects":
-        expect(window.locator(".object").first).to_be_visible()
-    if page == "log":
-        expect(window.locator("#frames tr").first).to_be_visible()
-    if page == "pdos":
-        expect(window.locator("tr[data-pdo]")).to_have_count(8)
-
-
-def record_a_move(window):
-    """A recording of a move, with the mouse."""
-    open_page(window, "scope", "Scope")
-    window.click("#record")
-    expect(window.locator("#record")).to_contain_text("Armed")
-    open_page(window, "drive", PAGES[1][1])
-    window.fill("#distance", "500")
-    window.click("#move-by")
-    open_page(window, "scope", "Scope")
-    expect(window.locator("#scope-words")).to_contain_text("Recording 1 of node 4")
-    expect(window.locator(".curve")).to_have_count(4)
-
-
 def test_from_a_drive_without_a_node_id_to_a_finished_move_with_the_mouse_alone(panel):
     window = (one := panel("--virtual")).open(color_scheme="light")
     move_with_the_mouse(window)
@@ -95,6 +57,7 @@ def test_from_a_drive_without_a_node_id_to_a_finished_move_with_the_mouse_alone(
         for page, title in PAGES:
             show_page(other, page, title)
             assert other.evaluate("document.documentElement.scrollWidth") <= width, (page, width)
+            assert other.evaluate(FAINT) == [], (page, scheme)
 
     # Found by its name, written within its limits.
     open_page(window, "objects", "Objects")
@@ -104,107 +67,6 @@ def test_from_a_drive_without_a_node_id_to_a_finished_move_with_the_mouse_alone(
     window.fill(".editor input", "4")
     window.click("text=Write")
     expect(window.locator(".toast.error")).to_have_text("6007h:00 Abort connection option code: 4 is above 3")
-
-
-def test_a_picture_of_each_page_is_the_one_in_docs(panel, browser, pytestconfig):  # noqa: F811
-    folder = pytestconfig.getoption("--pictures")
-    window = panel("--virtual").open(color_scheme="light", viewport={"width": 1280, "height": 860})
-    move_with_the_mouse(window)
-    window.select_option("#homing-method", "24")
-    window.evaluate("document.getElementById('toasts').replaceChildren()")
-    drive = window.screenshot()
-    record_a_move(window)
-    made = {"panel": drive}
-    for page, title in PAGES:
-        if page == "drive":
-            continue
-        show_page(window, page, title)
-        if page == "objects":
-            window.fill("#search", "profile")
-            window.click("#read-shown")
-            expect(window.locator(".object .value").last).not_to_be_empty()
-        if page == "log":
-            expect(window.locator("#frames tr").nth(30)).to_be_attached()
-        window.evaluate("document.getElementById('toasts').replaceChildren()")
-        made[f"panel-{page}"] = window.screenshot()
-    for name, picture in made.items():
-        if folder:
-            pathlib.Path(folder, f"{name}.png").write_bytes(picture)
-        assert difference(browser, (ROOT / "docs" / f"{name}.png").read_bytes(), picture) <= LIKENESS, name
-
-
-def test_a_recording_is_shown_measured_and_kept(panel):
-    window = panel("--virtual").open()
-    give_node_id(window)
-    enable(window)
-    record_a_move(window)
-    curve = window.locator(".curve .u-over").first
-    curve.click(position={"x": 100, "y": 40})
-    curve.click(position={"x": 300, "y": 40}, modifiers=["Shift"])
-    time_between = window.locator("#cursors tr").first.locator("td").last
-    expect(time_between).to_have_text(re.compile(r"^[1-9][0-9.]* ms$"))
-    with window.expect_download() as download:
-        window.click("#csv")
-    lines = pathlib.Path(download.value.path()).read_text().splitlines()
-    assert lines[0].startswith("time_s,") and len(lines) > 500 and lines[0].count(",") == lines[1].count(",") == 4
-    with window.expect_download() as download:
-        window.click("#png")
-    assert pathlib.Path(download.value.path()).read_bytes().startswith(b"\x89PNG")
-
-
-def test_pdos_are_edited_applied_and_seen_live(panel):
-    window = panel("--virtual").open()
-    give_node_id(window)
-    enable(window)
-    open_page(window, "pdos", "PDOs")
-    fourth = window.locator("tr[data-pdo='TPDO 4']")
-    expect(fourth).to_be_visible()
-    while fourth.locator(".take").count():
-        fourth.locator(".take").first.click()
-    fourth.locator("select.add").select_option("6064h:00")
-    fourth.locator("select.add").select_option("606Ch:00")
-    fourth.locator("select.add").select_option("6062h:00")
-    expect(window.locator("#problems")).to_contain_text("TPDO 4: 96 bits are mapped, a frame has 64")
-    expect(window.locator("#apply")).to_be_disabled()
-    fourth.locator(".take").last.click()
-    expect(window.locator("#problems")).to_be_empty()
-    fourth.locator("input[type=checkbox]").check()
-    fourth.locator("select").first.select_option("255")
-    fourth.get_by_label("Event timer").fill("2")
-    expect(window.locator("#load")).to_contain_text("% of the bus")
-    window.click("#apply")
-    expect(window.locator(".toast.good").last).to_contain_text("1 PDO is set up")
-    open_page(window, "scope", "Scope")
-    window.click("#live")
-    expect(window.locator("#scope-words")).to_contain_text("Live:")
-    expect(window.locator(".curve").first).to_be_visible()
-
-
-def test_a_configuration_is_saved_compared_and_loaded(panel, tmp_path):
-    window = panel("--virtual").open()
-    give_node_id(window)
-    open_page(window, "objects", "Objects")
-    with window.expect_download() as download:
-        window.click("#dump")
-    file = tmp_path / download.value.suggested_filename
-    download.value.save_as(file)
-
-    def choose(button):
-        with window.expect_file_chooser() as chooser:
-            window.click(button)
-        chooser.value.set_files(file)
-
-    choose("#compare")
-    expect(window.locator("#differ")).to_have_text("Node 4 is as node-4.dcf says.")
-    window.fill("#search", "6083")
-    window.click(".object >> text=Change")
-    window.fill(".editor input", "77777")
-    window.click("text=Write")
-    expect(window.locator(".object[data-changed]")).to_have_count(1)
-    choose("#compare")
-    expect(window.locator("#differ")).to_have_text("1 value is not as node-4.dcf says:")
-    choose("#load")
-    expect(window.locator("#differ")).to_have_text("Node 4 is as node-4.dcf says.")
 
 
 def hold(window, button, shown, watcher=None):
@@ -227,9 +89,8 @@ def expect_halt(bus):
     raise AssertionError("no halt")
 
 
-def test_a_jog_ends_when_the_button_is_released_the_page_hidden_or_the_window_closed(panel):
-    window = (one := panel("--virtual")).open(before=ORDER)
-    give_node_id(window)
+def test_a_jog_ends_when_the_button_is_released_the_page_hidden_or_the_window_closed(start, panel):
+    one, window = open_drive(start, panel, before=ORDER)
     enable(window)
     # However long it takes, no limit switch is reached.
     window.fill("#jog", "100")
@@ -260,10 +121,9 @@ def test_a_jog_ends_when_the_button_is_released_the_page_hidden_or_the_window_cl
         bus.shutdown()
 
 
-def test_a_held_button_says_so_each_40_ms_of_the_page(panel):
+def test_a_held_button_says_so_each_40_ms_of_the_page(start, panel):
     """By the clock of the page, which stands and is moved by hand."""
-    window = panel("--virtual").open(before=ORDER, clock=True)
-    give_node_id(window)
+    _, window = open_drive(start, panel, before=ORDER, clock=True)
     enable(window)
     window.fill("#jog", "100")
     window.hover("#jog-positive")
@@ -299,22 +159,25 @@ def test_the_keyboard_alone_does_it(panel):
     expect(window.locator("#state")).to_have_text("Operation enabled")
     press("#move-to")
     expect(window.locator("#position")).to_have_text("5\u202f000")
-    window.keyboard.press("Space")
+    # A search writes its spaces; a check box is switched by the enter key, and the space bar stops.
+    press("nav a[href='#objects']")
+    press("#search", "Space")
+    window.keyboard.type("profile")
+    expect(window.locator("#search")).to_have_value(" profile")
+    press("nav a[href='#bus']")
+    press("#rate-store")
+    expect(window.locator("#rate-store")).not_to_be_checked()
+    press("#rate-store", "Space")
+    expect(window.locator(".node")).to_contain_text("operational")
+    open_page(window, "drive", PAGES[1][1])
     expect(window.locator("#state")).to_have_text("Switch on disabled")
-
-
-def test_homing_is_drawn_and_set_up(panel):
-    window = panel("--virtual").open()
-    give_node_id(window)
-    window.select_option("#homing-method", "24")
-    expect(window.locator(".homing")).to_have_attribute("aria-label", "Homing method 24: Home switch from the left, behind its left edge")
-    window.fill("#homing-fast", "1500")
-    window.click("#set-homing")
-    expect(window.locator(".toast.good").last).to_have_text("Homing is set up")
-    open_page(window, "objects", "Objects")
-    window.fill("#search", "6099h:01")
-    window.click(".object >> text=Read")
-    expect(window.locator(".object .value")).to_have_text("1500")
+    # Numbers are written without spaces: there too it stops.
+    press("#enable")
+    expect(window.locator("#state")).to_have_text("Operation enabled")
+    press("nav a[href='#scope']")
+    press("#scope-samples", "Space")
+    press("nav a[href='#drive']")
+    expect(window.locator("#state")).to_have_text("Switch on disabled")
 
 
 def expect_end(one):
@@ -368,9 +231,8 @@ def test_a_drive_that_is_killed_in_motion_ends_the_bus_with_one_line(start, pane
     expect_end(one)
 
 
-def test_one_window_writes_the_other_watches_and_may_stop(panel):
-    first = (one := panel("--virtual")).open()
-    give_node_id(first)
+def test_one_window_writes_the_other_watches_and_may_stop(start, panel):
+    one, first = open_drive(start, panel)
     enable(first)
     second = one.open("#drive")
     expect(second.locator("#banner")).to_contain_text("Another window has control")

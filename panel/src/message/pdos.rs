@@ -68,6 +68,8 @@ pub struct PdoTable {
 pub struct PdoPlan {
     /// What is wrong with it.
     pub problems: Vec<String>,
+    /// For each PDO: what its transmission type means.
+    pub kinds: Vec<String>,
     /// For each PDO: frames in a second at most; `None` where nothing bounds them, or nothing is sent by itself.
     pub rates: Vec<Option<u32>>,
     /// How much of the bus those take at most, in tenths of a per cent.

@@ -37,6 +37,17 @@ pub struct Recorded {
     pub report: Report,
 }
 
+/// An object that can be a channel of the recorder.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Recordable {
+    /// `6064h:00`.
+    pub object: String,
+    /// What it is called.
+    pub name: String,
+    /// Whether most people want it.
+    pub is_usual: bool,
+}
+
 /// A value that a transmit PDO brings.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct LiveChannel {

@@ -51,6 +51,10 @@ pub struct NodeState {
     pub state: Option<&'static str>,
     /// When it was last heard, in tenths of a second.
     pub silent: Option<u64>,
+    /// When its last heartbeat came, in tenths of a second; `None` where it has sent none.
+    pub heartbeat: Option<u64>,
+    /// Whether its heartbeats have ended.
+    pub is_lost: bool,
     /// 1008h.
     pub name: Option<String>,
     /// What 1000h says it is.
@@ -88,16 +92,24 @@ pub struct Drive {
     pub position: Option<i64>,
     /// 606Ch.
     pub velocity: Option<i64>,
-    /// 607Ah.
-    pub target: Option<i64>,
+    /// 6062h.
+    pub demand: Option<i64>,
     /// 6081h.
     pub profile_velocity: Option<i64>,
+    /// 6083h.
+    pub profile_acceleration: Option<i64>,
+    /// 6084h.
+    pub profile_deceleration: Option<i64>,
+    /// The set-point of the mode at work, where it is a velocity or a torque.
+    pub set_point: Option<SetPoint>,
+    /// Whether it records what it does (20D0h).
+    pub has_recorder: bool,
     /// 60F4h.
     pub following_error: Option<i64>,
     /// 603Fh in words, where it is not 0.
     pub fault: Option<String>,
-    /// The units of positions and of velocities (60A8h, 60A9h).
-    pub units: [String; 2],
+    /// The units of positions, velocities and accelerations (60A8h, 60A9h, 60AAh).
+    pub units: [String; 3],
     /// The other values that it has, by their names.
     pub values: Vec<(&'static str, String)>,
     /// How it homes, where it knows homing.
@@ -121,6 +133,15 @@ pub struct Homing {
     pub acceleration: i64,
     /// What can be chosen, by 60E3h where the drive has it.
     pub methods: Vec<Method>,
+}
+
+/// A set-point that a person gives by itself: that of a position is a move.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct SetPoint {
+    /// What it is called.
+    pub name: &'static str,
+    /// Its unit.
+    pub unit: String,
 }
 
 /// A word of bits.

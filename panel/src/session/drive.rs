@@ -5,7 +5,8 @@ use master::axis402::{Description, Node, Problem};
 use master::data_sheet::Address;
 use master::{Line, NmtCommand};
 
-use super::poll::{Chosen, modes, unit};
+use super::poll::{Chosen, SetPointOf, modes, unit};
+use super::scope::has_recorder;
 use super::{Session, nodes};
 use crate::fsa::{DriveState, Transition};
 use crate::message::{Answer, Drive};
@@ -62,11 +63,13 @@ impl<L: Line> Session<L> {
         let supported = self.optional(&node, 0x6502)?.unwrap_or_default();
         let position = unit(self.optional(&node, 0x60A8)?, "units");
         let velocity = unit(self.optional(&node, 0x60A9)?, "units/s");
+        let acceleration = unit(self.optional(&node, 0x60AA)?, "units/s²");
         let drive = Drive {
             node: id,
             name: description.name.unwrap_or_else(|| format!("node {id}")),
             modes: modes(supported),
-            units: [position, velocity],
+            units: [position, velocity, acceleration],
+            has_recorder: has_recorder(&node.sheet),
             answers: true,
             ..Drive::default()
         };
@@ -150,14 +153,16 @@ impl<L: Line> Session<L> {
         &mut self,
         target: i32,
         relative: bool,
-        velocity: Option<u32>,
+        profile: [Option<u32>; 3],
     ) -> Result<Answer, Problem> {
         self.must_be_enabled()?;
         self.prepare()?;
         let node = self.chosen_node()?;
         self.set_mode(PROFILE_POSITION)?;
-        if let Some(velocity) = velocity {
-            self.set(&node, 0x6081, &velocity.to_le_bytes())?;
+        for (index, value) in [0x6081, 0x6083, 0x6084].into_iter().zip(profile) {
+            if let Some(value) = value {
+                self.set(&node, index, &value.to_le_bytes())?;
+            }
         }
         self.set(&node, 0x607A, &target.to_le_bytes())?;
         let word = ENABLED | IMMEDIATELY | if relative { RELATIVE } else { 0 };
@@ -166,6 +171,25 @@ impl<L: Line> Session<L> {
         self.controlword(word | NEW_SET_POINT)?;
         self.wait_for_bit(ACKNOWLEDGED, true)?;
         self.controlword(word)?;
+        Ok(Answer::Text(String::new()))
+    }
+
+    /// A velocity or a torque, in the mode at work. It counts until another one comes, or a stop.
+    pub(super) fn set_point(&mut self, value: i32) -> Result<Answer, Problem> {
+        self.must_be_enabled()?;
+        self.prepare()?;
+        let node = self.chosen_node()?;
+        let of = SetPointOf::mode(self.read_mode(&node)?).ok_or_else(|| {
+            let text = "the mode at work has no set-point of velocity or torque";
+            Problem::Usage(text.to_owned())
+        })?;
+        if of.length == 2 && i16::try_from(value).is_err() {
+            let text = format!("{value} does not fit into 16 bits");
+            return Err(Problem::Usage(text));
+        }
+        let bytes = value.to_le_bytes();
+        self.set(&node, of.index, bytes.get(..of.length).unwrap_or(&bytes))?;
+        self.controlword(of.controlword)?;
         Ok(Answer::Text(String::new()))
     }
 
@@ -299,6 +323,8 @@ impl<L: Line> Session<L> {
 
     /// Before the drive gets power, or moves: it watches the panel, and is operational.
     fn prepare(&mut self) -> Result<(), Problem> {
+        // It may just have started anew.
+        self.follow_traffic();
         self.ensure_guard()?;
         let Some(chosen) = &mut self.chosen else {
             return Ok(());
@@ -308,7 +334,6 @@ impl<L: Line> Session<L> {
         let is_operational = |known: &crate::traffic::Known| known.state == Some(0x05);
         if !self.traffic.node(id).is_some_and(is_operational) {
             self.master.nmt(NmtCommand::Start, id);
-            self.traffic.node_mut(id).state = Some(0x05);
         }
         Ok(())
     }

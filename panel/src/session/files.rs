@@ -1,9 +1,11 @@
 //! The configuration of a node as a file: out, in, compared (DCF, CiA 306). Store and restore (1010h, 1011h).
 
+use std::sync::Arc;
+
 use master::Failure;
 use master::Line;
-use master::axis402::{self, Group, Problem};
-use master::data_sheet::Address;
+use master::axis402::{self, Description, Group, Node, Problem};
+use master::data_sheet::{Address, DataSheet};
 use od_gen::model::{Commissioning, FileKind};
 use od_gen::{Model, Report, dcf, transfer};
 
@@ -15,9 +17,11 @@ impl<L: Line> Session<L> {
     pub(super) fn save(&mut self, id: u8) -> Result<Answer, Problem> {
         let node = self.node(id)?;
         self.state.busy = Some(format!("node {id} saves its parameters"));
-        let (result, words) =
-            self.with_words(|master, console| axis402::save(master, &node, Group::All, console));
-        result.map(|()| Answer::Text(words.said))
+        self.without_guard(id, |session| {
+            let (result, words) = session
+                .with_words(|master, console| axis402::save(master, &node, Group::All, console));
+            result.map(|()| Answer::Text(words.said))
+        })
     }
 
     pub(super) fn restore(&mut self, id: u8) -> Result<Answer, Problem> {
@@ -32,9 +36,11 @@ impl<L: Line> Session<L> {
     /// Everything that belongs to a configuration.
     pub(super) fn dump(&mut self, id: u8) -> Result<Answer, Problem> {
         let node = self.node(id)?;
-        let (result, _) =
-            self.with_words(|master, console| axis402::dump(master, &node, false, console));
-        let mut model = result?;
+        let mut model = self.without_guard(id, |session| {
+            let (result, _) =
+                session.with_words(|master, console| axis402::dump(master, &node, false, console));
+            result
+        })?;
         let name = format!("node-{id}.dcf");
         let kbit = self.setup.bit_rate.unwrap_or_default() / 1_000;
         let commissioning = Commissioning {
@@ -50,22 +56,65 @@ impl<L: Line> Session<L> {
     pub(super) fn load(&mut self, id: u8, name: &str, text: &str) -> Result<Answer, Problem> {
         let node = self.node(id)?;
         let model = configuration(name, text)?;
-        let (result, words) = self.load_model(&node, &model);
         self.live = None;
-        match result {
-            Ok(()) => Ok(Answer::Text(words.said)),
-            // Which value, and why, says more than how many.
-            Err(Problem::Failed(why)) if !words.remarks.is_empty() => Err(Problem::Failed(
-                format!("{why}: {}", words.remarks.join("; ")),
-            )),
-            Err(problem) => Err(problem),
+        self.without_guard(id, |session| {
+            let (result, words) = session.load_model(&node, &model);
+            match result {
+                Ok(()) => Ok(Answer::Text(words.said)),
+                // Which value, and why, says more than how many.
+                Err(Problem::Failed(why)) if !words.remarks.is_empty() => Err(Problem::Failed(
+                    format!("{why}: {}", words.remarks.join("; ")),
+                )),
+                Err(problem) => Err(problem),
+            }
+        })
+    }
+
+    /// A data sheet for a node: what a person has chosen is used, also where it names another device.
+    pub(super) fn use_sheet(&mut self, id: u8, name: &str, text: &str) -> Result<Answer, Problem> {
+        let node = self.node(id)?;
+        let report = Report::new(name, text);
+        if report.model.objects.is_empty() {
+            let text = format!("{name} is no data sheet: no objects in it");
+            return Err(Problem::Usage(text));
         }
+        let mut said = format!("node {id} is read by {name}");
+        if report.has_errors() {
+            said += "; it has mistakes, the rest is used";
+        }
+        let sheet: Arc<DataSheet> = Arc::new(report.model.into());
+        let identity = Description::ask(&mut self.master, id)?.identity;
+        if let [Some(vendor), Some(product), ..] = identity
+            && !sheet.is_of(vendor, product)
+        {
+            said += "; by its vendor-ID and product code it is of another device";
+        }
+        self.traffic.learn_sheet(id, Arc::clone(&sheet));
+        self.sheets.insert(id, Arc::clone(&sheet));
+        let node = Node { sheet, ..node };
+        self.nodes.insert(id, node.clone());
+        if self
+            .chosen
+            .as_ref()
+            .is_some_and(|chosen| chosen.node.id == id)
+        {
+            self.live = None;
+        }
+        if let Some(chosen) = self.chosen.as_mut().filter(|chosen| chosen.node.id == id) {
+            chosen.learn(node);
+        }
+        Ok(Answer::Text(said))
     }
 
     /// Nothing is written.
     pub(super) fn compare(&mut self, id: u8, name: &str, text: &str) -> Result<Answer, Problem> {
         let node = self.node(id)?;
         let model = configuration(name, text)?;
+        self.without_guard(id, |session| session.differences(&node, &model))
+    }
+
+    fn differences(&mut self, node: &Node, model: &Model) -> Result<Answer, Problem> {
+        let id = node.id;
         let mut differences = Vec::new();
         for (object, entry) in model.entries() {
             let Some(wanted) = &entry.configured else {

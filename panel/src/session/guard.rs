@@ -6,6 +6,7 @@ use master::data_sheet::Address;
 use master::{Failure, Line};
 
 use super::Session;
+use super::poll::Chosen;
 use crate::message::Guard;
 
 /// The drive counts the panel as lost after this silence, in milliseconds: five heartbeats.
@@ -88,16 +89,59 @@ impl<L: Line> Session<L> {
             return;
         };
         chosen.drive.guard = Guard::Off;
-        if let Some(Guarding { sub, before }) = chosen.guarding.take() {
+        if let Some(guarding) = chosen.guarding.take() {
             let node = chosen.node.clone();
-            let entry = Address::new(0x1016, sub);
-            if let Err(failure) = node.download(&mut self.master, entry, &before.to_le_bytes()) {
+            if let Err(failure) = self.put_back(&node, guarding) {
                 let why = Problem::with_node(node.id, failure)
                     .line()
                     .unwrap_or_default();
                 self.state.notice = Some(format!("1016h was not put back: {why}"));
             }
         }
+        self.master.line_mut().set_heartbeat(None);
+    }
+
+    /// What somebody else has written there since stays.
+    fn put_back(&mut self, node: &Node, guarding: Guarding) -> Result<(), Failure> {
+        let entry = Address::new(0x1016, guarding.sub);
+        let own = u32::from(self.setup.own_node) << 16 | LOST_AFTER;
+        if node.upload(&mut self.master, entry)? == own.to_le_bytes() {
+            node.download(&mut self.master, entry, &guarding.before.to_le_bytes())?;
+        }
+        Ok(())
+    }
+
+    /// Does something with the whole configuration of a node. The entry of the panel is no part of it: it is out meanwhile.
+    pub(super) fn without_guard<T>(
+        &mut self,
+        id: u8,
+        work: impl FnOnce(&mut Self) -> Result<T, Problem>,
+    ) -> Result<T, Problem> {
+        let is_guarded = |chosen: &Chosen| chosen.node.id == id && chosen.guarding.is_some();
+        if !self.chosen.as_ref().is_some_and(is_guarded) {
+            return work(self);
+        }
+        self.put_guard_back();
+        let result = work(self);
+        // A drive that is to be stopped stands before it is commanded again, and then it is guarded again.
+        if !self.master.line_mut().urgent().any() {
+            self.ensure_guard()?;
+        }
+        result
+    }
+
+    /// A drive that has started anew knows nothing of the panel: 1016h is as it was stored, and the motor has no power.
+    pub(super) fn mind_boot(&mut self) {
+        let Some(chosen) = &mut self.chosen else {
+            return;
+        };
+        if !self.traffic.take_boot(chosen.node.id) {
+            return;
+        }
+        chosen.guarding = None;
+        chosen.has_enabled = false;
+        chosen.drive.guard = Guard::Off;
+        self.live = None;
         self.master.line_mut().set_heartbeat(None);
     }
 }

@@ -32,9 +32,12 @@ use crate::message::{Answer, Event, Order, Outcome, Recorded, State};
 use crate::traffic::Traffic;
 use poll::Chosen;
 
-/// From a look at the bus to the next, and from a picture to the next.
+/// From a look at the bus to the next.
 const TURN: Duration = Duration::from_ticks(10_000);
+
+/// From a state of everything to the next, and from what has passed to the next: a screen shows 60 pictures a second.
 const PICTURE: Duration = Duration::from_ticks(40_000);
+const BATCH: Duration = Duration::from_ticks(16_000);
 
 /// Batches that a window may be behind.
 const BATCHES: usize = 64;
@@ -123,11 +126,14 @@ pub struct Session<L> {
     state: State,
     chosen: Option<Chosen>,
     nodes: BTreeMap<u8, Node>,
+    /// The data sheets that a person has chosen for single nodes.
+    sheets: BTreeMap<u8, Arc<DataSheet>>,
     recording: Option<scope::Recording>,
     recorded: Option<Recorded>,
     live: Option<scope::Live>,
     emptied: u64,
     next_picture: Instant,
+    next_batch: Instant,
     next_stranger: Instant,
 }
 
@@ -149,6 +155,7 @@ impl<L: Line> Session<L> {
         state.notice.clone_from(&setup.notice);
         Self {
             next_picture: master.now(),
+            next_batch: master.now(),
             next_stranger: master.now(),
             master,
             desk,
@@ -159,6 +166,7 @@ impl<L: Line> Session<L> {
             state,
             chosen: None,
             nodes: BTreeMap::new(),
+            sheets: BTreeMap::new(),
             recording: None,
             recorded: None,
             live: None,
@@ -255,6 +263,7 @@ impl<L: Line> Session<L> {
             Order::Dump { node } => self.dump(*node),
             Order::Load { node, name, text } => self.load(*node, name, text),
             Order::Compare { node, name, text } => self.compare(*node, name, text),
+            Order::Sheet { node, name, text } => self.use_sheet(*node, name, text),
             Order::Pdos { node } => self.pdos(*node),
             Order::PlanPdos {
                 node,
@@ -263,6 +272,7 @@ impl<L: Line> Session<L> {
             } => self.plan_pdos(*node, pdos, *sync_period),
             Order::SetPdos { node, pdos } => self.set_pdos(*node, pdos),
             Order::Channels => self.channels(),
+            Order::Recordable => self.recordable(),
             Order::Record(wish) => self.record(wish),
             Order::StopRecorder => self.stop_recorder(),
             Order::Recording => self.last_recording(),
@@ -279,7 +289,14 @@ impl<L: Line> Session<L> {
                 target,
                 relative,
                 velocity,
-            } => self.go(*target, *relative, *velocity),
+                acceleration,
+                deceleration,
+            } => self.go(
+                *target,
+                *relative,
+                [*velocity, *acceleration, *deceleration],
+            ),
+            Order::SetPoint { value } => self.set_point(*value),
             Order::Jog { velocity } => self.jog(*velocity, releases),
             Order::Home => self.home(),
             Order::Dictionary { node } => self.dictionary(*node),
@@ -317,11 +334,14 @@ impl<L: Line> Session<L> {
     /// Tells windows what is new, if it is time.
     fn publish(&mut self) {
         let now = self.master.now();
+        if now >= self.next_batch {
+            self.next_batch = now + BATCH;
+            self.follow_traffic();
+        }
         if now < self.next_picture {
             return;
         }
         self.next_picture = now + PICTURE;
-        self.follow_traffic();
         let passed = self.master.line_mut().passed_so_far();
         let (frames, bits) = self.traffic.rate(now, passed);
         self.state.bus.rate = u32::try_from(frames).unwrap_or(u32::MAX);
@@ -350,5 +370,6 @@ impl<L: Line> Session<L> {
             // Whoever has listened may just have gone.
             let _ = (self.outlet.frames).send(json(&Event::Frames { frames, dropped }));
         }
+        self.mind_boot();
     }
 }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use canopen::{BitRate, Duration};
 use master::axis402::{self, BitRateSwitch, Console, Description, Node, Numbering, Problem};
+use master::data_sheet::{Address, DataSheet};
 use master::{Failure, Line, NmtCommand};
 
 use super::pdos::Words;
@@ -176,7 +177,9 @@ impl<L: Line> Session<L> {
             return Ok(node.clone());
         }
         let mut node = Node::meet(&mut self.master, id, None)?;
-        if !self.setup.sheets.is_empty() {
+        if let Some(sheet) = self.sheets.get(&id) {
+            node.sheet = Arc::clone(sheet);
+        } else if !self.setup.sheets.is_empty() {
             let Description { identity, .. } = Description::ask(&mut self.master, id)?;
             if let [Some(vendor), Some(product), ..] = identity {
                 let mut sheets = self.setup.sheets.iter();
@@ -185,9 +188,34 @@ impl<L: Line> Session<L> {
                 }
             }
         }
+        if Arc::ptr_eq(&node.sheet, &DataSheet::standard())
+            && let Some(sheet) = self.stored_sheet(&node)?
+        {
+            node.sheet = sheet;
+        }
         self.traffic.learn_sheet(id, Arc::clone(&node.sheet));
         self.nodes.insert(id, node.clone());
         Ok(node)
+    }
+
+    /// The data sheet that a device holds itself (1021h, CiA 301), where it is stored as plain text (1022h).
+    fn stored_sheet(&mut self, node: &Node) -> Result<Option<Arc<DataSheet>>, Problem> {
+        if self
+            .optional(node, 0x1022)?
+            .is_some_and(|format| format != 0)
+        {
+            return Ok(None);
+        }
+        self.state.busy = Some(format!("node {} is asked for its data sheet", node.id));
+        let stored = node.upload(&mut self.master, Address::new(0x1021, 0));
+        let text = match stored {
+            Ok(bytes) => String::from_utf8_lossy(&bytes).into_owned(),
+            Err(Failure::Abort { .. }) => return Ok(None),
+            Err(failure) => return Err(Problem::with_node(node.id, failure)),
+        };
+        let name = format!("1021h of node {}", node.id);
+        let sheet = DataSheet::parse(&name, &text);
+        Ok((!sheet.model().objects.is_empty()).then(|| Arc::new(sheet)))
     }
 
     /// Runs a command of the command line; windows see how far it is.

@@ -222,6 +222,7 @@ fn plan(sheet: &DataSheet, pdos: &[Pdo], sync: u32, bit_rate: Option<u32>) -> Pd
         if pdo.enabled && !pdo.receive && rate.is_none() && matches!(pdo.kind, 0xFE | 0xFF) {
             plan.unbounded += 1;
         }
+        plan.kinds.push(kind(pdo));
         bits_per_second += u64::from(rate.unwrap_or(0)) * u64::from(longest(length));
         plan.rates.push(rate);
     }
@@ -284,6 +285,32 @@ fn check(sheet: &DataSheet, pdo: &Pdo, wrong: &mut impl FnMut(String)) -> u32 {
         wrong(format!("{sum} bits are mapped, a frame has {MOST_BITS}"));
     }
     sum.div_ceil(8).min(8)
+}
+
+/// What a transmission type means (CiA 301, 7.5.2.33 and 7.5.2.35).
+fn kind(pdo: &Pdo) -> String {
+    let words = match (pdo.receive, pdo.kind) {
+        (true, 0..=240) => "with the next SYNC",
+        (true, 254 | 255) => "at once",
+        (false, 0) => "with SYNC, if changed",
+        (false, 1) => "with each SYNC",
+        (false, every @ 2..=240) => {
+            let ending = match (every % 10, every % 100) {
+                (_, 11..=13) => "th",
+                (1, _) => "st",
+                (2, _) => "nd",
+                (3, _) => "rd",
+                _ => "th",
+            };
+            return format!("with every {every}{ending} SYNC");
+        }
+        (false, 252) => "on request, of the last SYNC",
+        (false, 253) => "on request",
+        (false, 254) => "on events of the maker",
+        (false, 255) => "on change, or by timer",
+        _ => "reserved",
+    };
+    words.to_owned()
 }
 
 /// Frames in a second at most (CiA 301, transmission types).
@@ -398,6 +425,14 @@ mod tests {
         );
         assert_eq!(made.problems, [""; 0]);
         assert_eq!(made.rates, [Some(500), Some(100), None]);
+        assert_eq!(
+            made.kinds,
+            [
+                "with every 2nd SYNC",
+                "on change, or by timer",
+                "on change, or by timer"
+            ]
+        );
         assert_eq!(made.unbounded, 1);
         // 48 bits of data: 47 more, and 20 stuff bits at most; 600 frames.
         assert_eq!(longest(6), 115);

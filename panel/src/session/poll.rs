@@ -10,8 +10,9 @@ use master::{Failure, Line};
 
 use super::Session;
 use super::guard::Guarding;
+use super::scope::has_recorder;
 use crate::fsa::{DriveState, MODES};
-use crate::message::{Drive, Mode, Word};
+use crate::message::{Drive, Mode, SetPoint, Word};
 
 /// From a look at the drive to the next; longer where the looks themselves take long.
 const LOOK: Duration = Duration::from_ticks(40_000);
@@ -35,9 +36,13 @@ const ALWAYS: [Watched; 3] = [
 ];
 
 /// Read one in each look.
-const IN_TURN: [Watched; 11] = [
+const IN_TURN: [Watched; 15] = [
     Watched::new(0x6061, 0, |drive, mode| {
         drive.mode = i8::try_from(mode).ok();
+        drive.set_point = drive.mode.and_then(SetPointOf::mode).map(|of| SetPoint {
+            name: of.name,
+            unit: of.unit(&drive.units),
+        });
     }),
     Watched::new(0x603F, 0, |drive, code| {
         let code = code as u16;
@@ -48,9 +53,15 @@ const IN_TURN: [Watched; 11] = [
         let word = word as u16;
         drive.controlword = Some(shown(word, controlword(word)));
     }),
-    Watched::new(0x607A, 0, |drive, value| drive.target = Some(value)),
+    Watched::new(0x6062, 0, |drive, value| drive.demand = Some(value)),
     Watched::new(0x6081, 0, |drive, value| {
         drive.profile_velocity = Some(value);
+    }),
+    Watched::new(0x6083, 0, |drive, value| {
+        drive.profile_acceleration = Some(value);
+    }),
+    Watched::new(0x6084, 0, |drive, value| {
+        drive.profile_deceleration = Some(value);
     }),
     Watched::new(0x60F4, 0, |drive, value| {
         drive.following_error = Some(value);
@@ -59,12 +70,13 @@ const IN_TURN: [Watched; 11] = [
         drive.tell("Inputs", inputs(value as u32));
     }),
     Watched::new(0x60FE, 1, |drive, value| {
-        let brake = if value & 1 == 1 {
-            "brake on"
-        } else {
-            "brake off"
-        };
-        drive.tell("Outputs", format!("{:08X}h, {brake}", value as u32));
+        drive.tell("Outputs", outputs(value as u32));
+    }),
+    Watched::new(0x607D, 1, |drive, value| {
+        drive.tell("Lowest position", limit(value, i64::from(i32::MIN)));
+    }),
+    Watched::new(0x607D, 2, |drive, value| {
+        drive.tell("Highest position", limit(value, i64::from(i32::MAX)));
     }),
     Watched::new(0x6079, 0, |drive, value| {
         drive.tell(
@@ -128,10 +140,77 @@ fn inputs(value: u32) -> String {
         (3, "interlock"),
     ];
     let active = bits.iter().filter(|(bit, _)| value >> bit & 1 == 1);
-    let names: Vec<&str> = active.map(|(_, name)| *name).collect();
-    match names.is_empty() {
-        true => format!("{value:08X}h"),
-        false => format!("{value:08X}h, {}", names.join(", ")),
+    let mut names: Vec<String> = active.map(|(_, name)| (*name).to_owned()).collect();
+    names.extend(terminals(value, "input"));
+    with_names(value, &names)
+}
+
+/// 60FEh in words (CiA 402-2).
+fn outputs(value: u32) -> String {
+    let brake = match value & 1 {
+        1 => "brake applied",
+        _ => "brake released",
+    };
+    let mut names = vec![brake.to_owned()];
+    names.extend(terminals(value, "output"));
+    with_names(value, &names)
+}
+
+/// Bits 16 to 31 are the manufacturer's: its terminals, as a rule.
+fn terminals(value: u32, name: &str) -> impl Iterator<Item = String> {
+    let active = (0..16).filter(move |bit| value >> (16 + bit) & 1 == 1);
+    active.map(move |bit| format!("{name} {}", bit + 1))
+}
+
+fn with_names(value: u32, names: &[String]) -> String {
+    match names {
+        [] => format!("{value:08X}h"),
+        names => format!("{value:08X}h, {}", names.join(", ")),
+    }
+}
+
+/// A software position limit; the end of the range is none.
+fn limit(value: i64, none: i64) -> String {
+    match value == none {
+        true => "no limit".to_owned(),
+        false => value.to_string(),
+    }
+}
+
+/// The set-point of a mode, where it is a velocity or a torque.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct SetPointOf {
+    name: &'static str,
+    /// Where it is written, and in how many bytes.
+    pub index: u16,
+    pub length: usize,
+    /// The controlword that follows it: a ramp generator of velocity mode has bits of its own.
+    pub controlword: u16,
+}
+
+impl SetPointOf {
+    pub(super) fn mode(mode: i8) -> Option<Self> {
+        let of = |name, index, length, controlword| Self {
+            name,
+            index,
+            length,
+            controlword,
+        };
+        match mode {
+            2 => Some(of("Target velocity (6042h)", 0x6042, 2, 0x7F)),
+            3 => Some(of("Target velocity (60FFh)", 0x60FF, 4, 0x0F)),
+            4 => Some(of("Target torque (6071h)", 0x6071, 2, 0x0F)),
+            _ => None,
+        }
+    }
+
+    fn unit(self, [_, velocity, _]: &[String; 3]) -> String {
+        match self.index {
+            0x60FF => velocity.clone(),
+            0x6071 => "‰".to_owned(),
+            // 604Ch makes it what the machine has.
+            _ => String::new(),
+        }
     }
 }
 
@@ -162,6 +241,13 @@ impl Chosen {
             turn: 0,
             next: now,
         }
+    }
+
+    /// It has another data sheet now: what was missing may be there.
+    pub(super) fn learn(&mut self, node: Node) {
+        self.drive.has_recorder = has_recorder(&node.sheet);
+        self.node = node;
+        self.absent.clear();
     }
 
     /// What windows are told.
@@ -305,6 +391,7 @@ pub(super) fn unit(code: Option<i64>, otherwise: &str) -> String {
     let per = match denominator {
         0x00 => "",
         0x03 => "/s",
+        0x57 => "/s²",
         0x47 => "/min",
         0x48 => "/h",
         _ => return otherwise.to_owned(),
@@ -322,8 +409,22 @@ mod tests {
         assert_eq!(unit(Some(0x00AC_0300), "units/s"), "steps/s");
         assert_eq!(unit(Some(0xFD01_0000), "units"), "mm");
         assert_eq!(unit(Some(0xFA01_0300), "units"), "µm/s");
+        assert_eq!(unit(Some(0xFD01_5700), "units/s²"), "mm/s²");
         assert_eq!(unit(Some(0x1234_5678), "units"), "units");
         assert_eq!(unit(None, "units"), "units");
+    }
+
+    #[test]
+    fn inputs_outputs_and_limits_have_words() {
+        assert_eq!(
+            inputs(0x0003_0005),
+            "00030005h, negative limit, home switch, input 1, input 2"
+        );
+        assert_eq!(inputs(0), "00000000h");
+        assert_eq!(outputs(0x0004_0001), "00040001h, brake applied, output 3");
+        assert_eq!(outputs(0), "00000000h, brake released");
+        assert_eq!(limit(-5, i64::from(i32::MIN)), "-5");
+        assert_eq!(limit(i64::from(i32::MIN), i64::from(i32::MIN)), "no limit");
     }
 
     #[test]

@@ -5,12 +5,42 @@ use std::collections::BTreeMap;
 use canopen::{Duration, Instant};
 use master::Line;
 use master::axis402::{Node, Problem};
+use master::data_sheet::{Address, DataSheet};
 use master::scope::{self, Armed, Before, Progress, Report, Request};
 
 use super::poll::number;
 use super::{Session, json};
 use crate::line::Passed;
-use crate::message::{Answer, Event, LiveChannel, LiveValues, Recorded, Recorder, Wish};
+use crate::message::{
+    Answer, Event, LiveChannel, LiveValues, Recordable, Recorded, Recorder, Wish,
+};
+
+/// What the recorder knows (docs/scope.md), and whether most people want to see it.
+const RECORDABLE: [(u16, u8, bool); 17] = [
+    (0x606C, 0, true),
+    (0x6064, 0, true),
+    (0x6062, 0, true),
+    (0x60F4, 0, true),
+    (0x606B, 0, true),
+    (0x6041, 0, true),
+    (0x6040, 0, true),
+    (0x60FD, 0, true),
+    (0x607A, 0, false),
+    (0x60FF, 0, false),
+    (0x6061, 0, false),
+    (0x603F, 0, false),
+    (0x6063, 0, false),
+    (0x6043, 0, false),
+    (0x6044, 0, false),
+    (0x2034, 1, false),
+    (0x2034, 2, false),
+];
+
+/// Whether a drive records itself; another maker's 20D0h is something else.
+pub(super) fn has_recorder(sheet: &DataSheet) -> bool {
+    let is_ours = |object: &od_gen::model::Object| object.name == "Scope";
+    sheet.object(0x20D0).is_some_and(is_ours) && sheet.object(0x20D3).is_some()
+}
 
 /// From a look at the recorder to the next.
 const LOOK: Duration = Duration::from_ticks(50_000);
@@ -40,6 +70,23 @@ struct Place {
 }
 
 impl<L: Line> Session<L> {
+    /// What of it the drive has; nothing without a recorder.
+    pub(super) fn recordable(&mut self) -> Result<Answer, Problem> {
+        let sheet = self.chosen_node()?.sheet;
+        if !has_recorder(&sheet) {
+            return Ok(Answer::Recordable(Vec::new()));
+        }
+        let known = RECORDABLE.iter().filter_map(|&(index, sub, is_usual)| {
+            let address = Address::new(index, sub);
+            Some(Recordable {
+                object: address.to_string(),
+                name: sheet.name(address)?,
+                is_usual,
+            })
+        });
+        Ok(Answer::Recordable(known.collect()))
+    }
+
     pub(super) fn record(&mut self, wish: &Wish) -> Result<Answer, Problem> {
         let node = self.chosen_node()?;
         if wish.before.is_some_and(|percent| percent > 99) {

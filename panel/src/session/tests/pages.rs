@@ -4,7 +4,6 @@ use master::bus::Station;
 use sim::products::{Drive, Product};
 
 use super::*;
-use crate::homing::Switch;
 use crate::message::{Difference, Mapped, Pdo, PdoTable, Recorded, Recorder, Wish};
 
 impl Bench {
@@ -15,14 +14,14 @@ impl Bench {
         }
     }
 
-    fn file(&mut self) -> (String, String) {
+    pub(super) fn file(&mut self) -> (String, String) {
         match self.order(Order::Dump { node: NODE }) {
             Outcome::Done(Answer::File { name, text }) => (name, text),
             other => panic!("{other:?}"),
         }
     }
 
-    fn differences(&mut self, (name, text): &(String, String)) -> Vec<Difference> {
+    pub(super) fn differences(&mut self, (name, text): &(String, String)) -> Vec<Difference> {
         let (name, text) = (name.clone(), text.clone());
         match self.order(Order::Compare {
             node: NODE,
@@ -159,11 +158,7 @@ fn a_recording_waits_for_its_trigger_while_the_drive_is_moved() {
     bench.done(Order::Record(wish("606C>1000")));
     bench.run_for(500);
     assert_eq!(bench.session.state().recorder, Some(Recorder::Armed));
-    bench.done(Order::Move {
-        target: 2_000,
-        relative: false,
-        velocity: Some(5_000),
-    });
+    bench.done(go(2_000, Some(5_000)));
     bench.run_for(2_000);
     assert_eq!(
         (
@@ -261,11 +256,7 @@ fn eight_channels_come_live_at_1_khz_and_what_nobody_reads_is_bounded() {
     assert!(matches!(slow.try_recv(), Err(TryRecvError::Lagged(missed)) if missed > 20));
     assert!(slow.len() <= BATCHES);
     // The drive is moved and stopped all the same.
-    bench.done(Order::Move {
-        target: 1_000,
-        relative: false,
-        velocity: None,
-    });
+    bench.done(go(1_000, None));
     bench.bus().take_trace();
     let at = bench.session.master_mut().now();
     bench.desk.stop();
@@ -318,36 +309,72 @@ fn a_configuration_goes_out_and_comes_in_and_is_compared() {
 }
 
 #[test]
-fn homing_is_set_up_as_it_is_drawn() {
+fn a_data_sheet_that_a_person_chooses_is_used() {
     let mut bench = Bench::chosen();
-    bench.done(Order::SetHoming {
-        method: 24,
-        fast: 2_000,
-        slow: 200,
-        acceleration: 50_000,
-    });
+    let sheet = |name: &str, text: &str| Order::Sheet {
+        node: NODE,
+        name: name.to_owned(),
+        text: text.to_owned(),
+    };
+    let why = bench.refused(sheet("letter.txt", "Dear drive,"));
+    assert_eq!(why, "letter.txt is no data sheet: no objects in it");
+    let eds = include_str!("../../../../eds/axis402.eds");
+    assert_eq!(bench.done(sheet("a.eds", eds)), "node 4 is read by a.eds");
+    let Outcome::Done(Answer::Dictionary { title, .. }) =
+        bench.order(Order::Dictionary { node: NODE })
+    else {
+        panic!("no dictionary");
+    };
+    assert_eq!(title, "a.eds");
+    let other = eds
+        .replacen("ProductNumber=0x00000402", "ProductNumber=0x00000999", 1)
+        .replacen("[6081]\n", "[6081]\nObjectType=nonsense\n", 1);
+    let said = bench.done(sheet("b.eds", &other));
+    assert_eq!(
+        said,
+        "node 4 is read by b.eds; it has mistakes, the rest is used; by its vendor-ID and product code it is of another device"
+    );
     bench.run_for(100);
-    let homing = bench.drive().homing.clone().unwrap();
-    assert_eq!(
-        (homing.method, homing.fast, homing.slow, homing.acceleration),
-        (24, 2_000, 200, 50_000)
+    assert!(bench.drive().answers);
+}
+
+#[test]
+fn what_can_be_recorded_is_told_by_the_data_sheet() {
+    let mut bench = Bench::chosen();
+    let recordable = |bench: &mut Bench| match bench.order(Order::Recordable) {
+        Outcome::Done(Answer::Recordable(all)) => all,
+        other => panic!("{other:?}"),
+    };
+    let all = recordable(&mut bench);
+    let usual = all.iter().filter(|one| one.is_usual);
+    let usual: Vec<_> = usual.map(|one| one.object.as_str()).collect();
+    assert!(
+        usual.contains(&"606Ch:00") && usual.len() < all.len(),
+        "{usual:?}"
     );
-    let method = homing
-        .methods
-        .iter()
-        .find(|method| method.number == 24)
-        .unwrap();
-    assert_eq!(
-        (
-            method.switch,
-            method.start,
-            method.edge,
-            method.side,
-            method.index
-        ),
-        (Switch::HomeMiddle, 1, -1, 1, false)
-    );
-    assert_eq!(bench.done(read("6098")), "24");
+    bench.run_for(100);
+    assert!(bench.drive().has_recorder);
+    assert_eq!(all.len(), 17);
+    for some in all.chunks(8) {
+        bench.done(Order::Record(Wish {
+            channels: some.iter().map(|one| one.object.clone()).collect(),
+            samples: Some(10),
+            before: None,
+            ..wish("now")
+        }));
+        bench.run_for(500);
+    }
+    assert_eq!(bench.session.state().recordings, 3);
+    // Another maker's drive has none.
+    let eds = include_str!("../../../../products/lmd/lmd.eds");
+    bench.done(Order::Sheet {
+        node: NODE,
+        name: "lmd.eds".to_owned(),
+        text: eds.to_owned(),
+    });
+    assert_eq!(recordable(&mut bench), []);
+    bench.run_for(100);
+    assert!(!bench.drive().has_recorder);
 }
 
 #[test]
