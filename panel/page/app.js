@@ -32,8 +32,9 @@ function route() {
 // The stop: the button, and the space bar wherever it does not write a space. Where it does, the button says so.
 function stop() {
   say("stop");
-  if (known.connected) toast("Stop was sent", "good");
-  else toast("Stop was not sent: there is no connection with the panel");
+  if (!known.connected) toast("Stop was not sent: there is no connection with the panel");
+  else if (known.readOnly) toast("Read-only: nothing can be stopped from here");
+  else toast("Stop was sent", "good");
 }
 const writesSpaces = (event) => Boolean(event.target.closest?.("[data-spaces]"));
 document.getElementById("stop").addEventListener("click", stop);

@@ -104,7 +104,7 @@ export function enter(place) {
       element("p", {}, "It was found by LSS (CiA 305). Give it a free node-ID, and it is on the bus."),
       element("div", { class: "fields" },
         element("label", {}, element("span", {}, "Lowest node-ID"), first),
-        element("label", { class: "check" }, store, element("span", {}, "It stores it")),
+        element("label", { class: "check" }, store, element("span", {}, "The device stores it")),
         number)),
   };
   parts.unnumbered.classList.add("attention");
@@ -115,7 +115,7 @@ export function enter(place) {
   parts.rate = rate;
   parts.whole = element("details", { class: "card", open: true }, element("summary", {}, "The whole bus: LSS, bit rate, NMT"),
     element("div", { class: "fields" },
-      element("label", {}, element("span", {}, "Bit rate"), rate), element("label", { class: "check" }, keeps, element("span", {}, "They store it")),
+      element("label", {}, element("span", {}, "Bit rate"), rate), element("label", { class: "check" }, keeps, element("span", {}, "The devices store it")),
       writing("Switch all", "switch-rate", () => attempt(order("bit_rate", { kbit: Number(rate.value), store: keeps.checked })))),
     element("p", { class: "quiet" }, "All devices and the adapter change together, after half a second of silence. Nobody stores before all are heard again: until then power-off brings the old bit rate back. A device that refuses keeps all where they are."),
     element("div", { class: "line" },

@@ -22,8 +22,12 @@ const STATE_NAMES = {
 
 let parts = null;
 let beating = null;
-// What a person has typed stays when the page is left.
-const typed = { target: "5000", distance: "1000", velocity: "", acceleration: "", deceleration: "", jog: "2000", set_point: "" };
+// What a person has typed stays when the page is left, for the drive that it was meant for. How far a machine can go nobody knows but that
+// person; the virtual drive may go anywhere.
+const NOTHING = { target: "", distance: "", velocity: "", acceleration: "", deceleration: "", jog: "", set_point: "" };
+const typed = { ...NOTHING };
+const VIRTUAL = { target: "5000", distance: "1000", jog: "2000" };
+let typedFor = null;
 
 async function attempt(what, details) {
   try {
@@ -107,7 +111,7 @@ export function enter(place) {
     pill: element("span", { class: "pill big", id: "state" }),
     guard: element("span", { class: "quiet", id: "guard" }),
     fault: element("p", { class: "fault", role: "alert" }),
-    silent: element("p", { class: "fault", role: "alert" }, "The drive does not answer."),
+    silent: element("p", { class: "fault", role: "alert" }),
     position: element("output", { id: "position" }),
     velocityNow: element("output", { id: "velocity-now" }),
     demand: element("output"),
@@ -214,10 +218,19 @@ export function update() {
     show(parts.name, "Drive");
     return;
   }
+  if (typedFor !== drive.node) {
+    typedFor = drive.node;
+    Object.assign(typed, { ...NOTHING, ...(known.state.bus.is_virtual ? VIRTUAL : {}) });
+    for (const { input } of [parts.target, parts.distance, parts.velocity, parts.acceleration, parts.deceleration, parts.jog, parts.setPoint]) {
+      input.value = typed[input.id];
+    }
+  }
   show(parts.name, `${drive.name} · node ${drive.node}`);
   show(parts.pill, drive.answers ? STATE_NAMES[drive.state] ?? "–" : "No answer");
   parts.pill.dataset.state = drive.answers ? drive.state : "silent";
+  const isStopped = known.state.nodes.find((one) => one.id === drive.node)?.state === "stopped";
   visible(parts.silent, !drive.answers);
+  show(parts.silent, isStopped ? "The node is stopped by NMT, so it answers nothing. The page Bus starts it." : "The drive does not answer.");
   visible(parts.fault, Boolean(drive.fault));
   show(parts.fault, drive.fault ? `Error ${drive.fault}` : "");
   show(parts.position, number(drive.position));

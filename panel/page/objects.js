@@ -222,7 +222,7 @@ export function enter(place) {
   parts = {
     rows: new Map(),
     nodes: element("select", { id: "node", "aria-label": "Node" }),
-    source: element("p", { class: "quiet" }),
+    source: element("p", { class: "quiet", id: "source" }),
     count: element("span", { class: "quiet", id: "count" }),
     list: element("ul", { class: "objects" }),
     empty: element("p", { class: "empty" }, "No node was found yet: the page of the bus looks for them."),

@@ -83,6 +83,7 @@ fn show(arguments: Arguments) -> Result<(), Problem> {
         } else {
             bus.title()
         },
+        is_virtual: arguments.is_virtual,
         bit_rate: bus.bit_rate(),
         read_only: arguments.read_only,
         own_node: arguments.own_node,

@@ -1,7 +1,6 @@
 """A panel that runs, and the windows of a real browser in front of it."""
 
 import base64
-import re
 import shutil
 
 import pytest

@@ -4,6 +4,7 @@ How soon a drive stands is measured on virtual time, in the tests of the crate `
 """
 
 import os
+import re
 import subprocess
 import time
 
@@ -11,7 +12,7 @@ import can
 import pytest
 from playwright.sync_api import expect
 
-from conftest import EDS, NODE_ID
+from conftest import EDS, NODE_ID, ROOT
 from panel_window import (  # noqa: F401
     FAINT,
     PAGES,
@@ -205,6 +206,43 @@ def test_a_device_that_is_no_drive_has_its_objects(panel, pytestconfig):
     device.server.kill()
     expect(window.locator("#status")).to_have_text("not connected")
     expect_end(one)
+
+
+@pytest.fixture
+def together():
+    """Makes one bus of two: what passes on either of them goes to the other."""
+    buses, notifiers = [], []
+
+    def join(*ports):
+        buses.extend(can.Bus(interface="slcan", channel=f"socket://127.0.0.1:{port}", bitrate=1_000_000, sleep_after_open=0.05) for port in ports)
+        notifiers.extend(can.Notifier(here, [there.send], timeout=0.02) for here, there in (buses, buses[::-1]))
+
+    yield join
+    for part in (*notifiers, *buses):
+        part.stop() if isinstance(part, can.Notifier) else part.shutdown()
+
+
+def test_two_drives_of_different_make_are_shown_side_by_side(start, panel, together):
+    ours = start(arguments=["--node-id", "4"])
+    theirs = start(arguments=["--product", "lmd", "--node-id", "5"])
+    together(ours.port, theirs.port)
+    window = panel("--slcan", f"127.0.0.1:{ours.port}", "--eds", ROOT / "products" / "lmd" / "lmd.eds").open()
+    expect(window.locator(".node")).to_have_count(2)
+    for node, sheet in ((5, "lmd.eds"), (4, "axis402.eds")):
+        open_page(window, "bus", "Bus")
+        window.click(f"[data-node='{node}']")
+        expect(window.locator("h1")).to_contain_text(f"node {node}")
+        window.click("#enable")
+        expect(window.locator("#state")).to_have_text("Operation enabled")
+        # What was typed for another machine moves this one nowhere.
+        expect(window.locator("#target")).to_have_value("")
+        window.fill("#target", "700")
+        window.click("#move-to")
+        expect(window.locator("#position")).to_have_text("700")
+        open_page(window, "scope", "Scope")
+        expect(window.locator("#record")).to_be_visible(visible=sheet == "axis402.eds")
+        window.evaluate(f"location.hash = '#objects/{node}'")
+        expect(window.locator("#source")).to_contain_text(re.compile(f"[0-9]+ entries of .*{re.escape(sheet)}"))
 
 
 def test_a_data_sheet_with_mistakes_is_used_with_a_note(start, panel, tmp_path):

@@ -12,6 +12,7 @@ def test_the_mouse_moves_the_firmware(start, panel):  # noqa: F811
     window = panel("--slcan", f"127.0.0.1:{start().port}").open()
     give_node_id(window)
     enable(window)
+    window.fill("#target", "5000")
     window.click("#move-to")
     expect(window.locator("#position")).to_have_text("5\u202f000")
     expect(window.locator("#statusword")).to_contain_text("target reached")

@@ -30,6 +30,8 @@ pub struct State {
 pub struct BusState {
     /// What it is.
     pub title: String,
+    /// Whether its drive is the virtual one of this program: any distance is fine there.
+    pub is_virtual: bool,
     /// How much of it is in use, in per cent of the last second; only where the bit rate is known.
     pub load: Option<u32>,
     /// Frames in the last second.

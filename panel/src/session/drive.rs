@@ -39,6 +39,10 @@ const PROFILE_POSITION: i8 = 1;
 const PROFILE_VELOCITY: i8 = 3;
 const HOMING: i8 = 6;
 
+/// A stop is for the drive that is open: of another one the panel has given nothing power.
+const NOTHING_STOPPED: &str =
+    "nothing was stopped: no drive is open. The page of the bus stops nodes by NMT";
+
 /// The abort code for "nobody waits any longer" (CiA 301, table 22).
 const GIVEN_UP: u32 = 0x0800_0000;
 
@@ -80,6 +84,9 @@ impl<L: Line> Session<L> {
         let now = self.master.now();
         self.chosen = Some(Chosen::new(node, drive, now));
         self.live = None;
+        if self.state.notice.as_deref() == Some(NOTHING_STOPPED) {
+            self.state.notice = None;
+        }
         Ok(Answer::Text(String::new()))
     }
 
@@ -263,6 +270,7 @@ impl<L: Line> Session<L> {
             return;
         }
         let Some(chosen) = &mut self.chosen else {
+            self.state.notice = Some(NOTHING_STOPPED.to_owned());
             return;
         };
         chosen.drive.jogging = false;

@@ -102,6 +102,8 @@ pub fn json(event: &Event) -> Arc<str> {
 pub struct Setup {
     /// What the bus is called.
     pub title: String,
+    /// The drive is the virtual one of this program.
+    pub is_virtual: bool,
     /// Its bit rate in bit/s, where it is known.
     pub bit_rate: Option<u32>,
     /// Nothing but uploads is sent.
@@ -152,6 +154,7 @@ impl<L: Line> Session<L> {
         master.set_answer_time(answer_time);
         let mut state = State::default();
         state.bus.title.clone_from(&setup.title);
+        state.bus.is_virtual = setup.is_virtual;
         state.notice.clone_from(&setup.notice);
         Self {
             next_picture: master.now(),

@@ -40,6 +40,7 @@ impl Bench {
         let (tickets, orders) = sync_channel(8);
         let setup = Setup {
             title: "simulated".to_owned(),
+            is_virtual: false,
             bit_rate: Some(1_000_000),
             read_only,
             own_node: 127,

@@ -98,6 +98,17 @@ fn a_stop_waits_for_no_answer() {
 }
 
 #[test]
+fn a_stop_without_an_open_drive_says_that_it_stops_nothing() {
+    let (mut bench, _) = Bench::with(DriveSetup::with_node_id(1, NODE), false);
+    bench.desk.stop();
+    bench.run_for(100);
+    let notice = bench.session.state().notice.clone().unwrap();
+    assert!(notice.starts_with("nothing was stopped: no drive is open"));
+    bench.done(Order::Choose { node: NODE });
+    assert_eq!(bench.session.state().notice, None);
+}
+
+#[test]
 fn a_stop_that_is_not_acknowledged_is_one_by_nmt() {
     let mut bench = Bench::enabled();
     bench
