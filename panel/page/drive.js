@@ -194,13 +194,14 @@ export function leave() {
 }
 
 function transitionButtons(drive) {
-  const legal = JSON.stringify(drive.transitions);
+  const ways = drive.answers ? drive.transitions : [];
+  const legal = JSON.stringify(ways);
   if (legal === parts.legal) return;
   parts.legal = legal;
-  parts.transitions.replaceChildren(...drive.transitions.map((way) =>
+  parts.transitions.replaceChildren(...ways.map((way) =>
     element("button", { type: "button", class: "small", "data-writes": true, title: `to ${STATE_NAMES[way.to]}`, onclick: () => attempt("transition", { transition: way.transition }) },
       element("span", { class: "way-number" }, String(way.number)), way.label)));
-  if (drive.transitions.length === 0) parts.transitions.append(element("p", { class: "quiet" }, "No command leads on from here."));
+  if (drive.answers && ways.length === 0) parts.transitions.append(element("p", { class: "quiet" }, "No command leads on from here."));
 }
 
 function word(target, value) {
@@ -233,10 +234,12 @@ export function update() {
   show(parts.silent, isStopped ? "The node is stopped by NMT, so it answers nothing. The page Bus starts it." : "The drive does not answer.");
   visible(parts.fault, Boolean(drive.fault));
   show(parts.fault, drive.fault ? `Error ${drive.fault}` : "");
-  show(parts.position, number(drive.position));
-  show(parts.velocityNow, number(drive.velocity));
-  show(parts.demand, number(drive.demand));
-  show(parts.lag, number(drive.following_error));
+  // What was read before it fell silent is not where it is now.
+  const now = (value) => (drive.answers ? number(value) : "–");
+  show(parts.position, now(drive.position));
+  show(parts.velocityNow, now(drive.velocity));
+  show(parts.demand, now(drive.demand));
+  show(parts.lag, now(drive.following_error));
   for (const [place, which] of parts.units) show(place, drive.units[which]);
   parts.velocity.input.placeholder = drive.profile_velocity ?? "";
   parts.acceleration.input.placeholder = drive.profile_acceleration ?? "";
@@ -269,7 +272,7 @@ export function update() {
     parts.values.replaceChildren(...drive.values.flatMap(([label, text]) => [element("dt", {}, label), element("dd", {}, text)]));
   }
   const may = mayWrite();
-  for (const button of parts.full.querySelectorAll("[data-writes]")) mark(button, "disabled", !may);
+  for (const button of parts.full.querySelectorAll("[data-writes]")) mark(button, "disabled", !may || !drive.answers);
   for (const button of parts.full.querySelectorAll("[data-powered]")) mark(button, "disabled", !may || !isOn || !drive.answers);
   if (!may) release();
 }

@@ -49,10 +49,10 @@ export function card(title, ...children) {
   return element("section", { class: "card" }, element("h2", {}, title), ...children);
 }
 
-/** Words that go away by themselves. */
+/** Words that go away by themselves, or by a click. */
 export function toast(text, kind = "error") {
   const place = document.getElementById("toasts");
-  const made = element("div", { class: `toast ${kind}`, role: kind === "error" ? "alert" : "status" }, text);
+  const made = element("div", { class: `toast ${kind}`, role: kind === "error" ? "alert" : "status", onclick: () => made.remove() }, text);
   place.append(made);
   while (place.children.length > 4) place.firstElementChild.remove();
   setTimeout(() => made.remove(), kind === "error" ? 8000 : 3500);

@@ -45,7 +45,10 @@ export function drawing(method) {
   let mark = active ? home + 5 * method.side : home;
   if (method.index) {
     mark = active ? home + 38 * method.side : beyond;
-    root.append(drawn("path", { class: "index", d: `M${mark} ${AXIS - 30}V${AXIS + 4}` }), drawn("text", { x: mark, y: AXIS - 34 }, "index"));
+    // Its word stands beside it, where no arrow is.
+    const side = method.side || 1;
+    root.append(drawn("path", { class: "index", d: `M${mark} ${AXIS - 30}V${AXIS + 4}` }),
+      drawn("text", { x: mark + 11 * side, y: AXIS - 8, class: side > 0 ? "behind" : "before" }, "index"));
   }
   if (active && method.side !== 0) root.append(arrow(home - 30 * method.side, method.index ? mark - 3 * method.side : home + 12 * method.side, 42, "slow"));
   root.append(drawn("path", { class: "home", d: `M${mark} ${AXIS}l-8 -9v-8h16v8z` }));
@@ -61,19 +64,30 @@ export function homing() {
   const units = [1, 1, 2].map((which) => [element("span", { class: "unit" }), which]);
   let known = "";
   let methods = [];
+  let last = {};
   const draw = () => {
     const found = methods.find((one) => one.number === Number(method.value));
     picture.replaceChildren(...(found && found.number !== 0 ? [drawing(found)] : []));
   };
   method.addEventListener("change", draw);
-  const set = async () => {
+  const wanted = () => ({ method: Number(method.value), fast: Number(fast.value), slow: Number(slow.value), acceleration: Number(acceleration.value) });
+  const attempt = async (work) => {
     try {
-      await order("set_homing", { method: Number(method.value), fast: Number(fast.value), slow: Number(slow.value), acceleration: Number(acceleration.value) });
-      toast("Homing is set up", "good");
+      await work();
     } catch (error) {
       toast(error.message);
     }
   };
+  const set = () => attempt(async () => {
+    await order("set_homing", wanted());
+    toast("Homing is set up", "good");
+  });
+  // It homes as it is drawn here, and not as it was set up before.
+  const home = () => attempt(async () => {
+    const homing = wanted();
+    if (Object.keys(homing).some((key) => homing[key] !== last[key])) await order("set_homing", homing);
+    await order("home");
+  });
   const label = (words, input, unit) => element("label", {}, element("span", {}, words), unit ? element("span", { class: "with-unit" }, input, unit) : input);
   const root = element("section", { class: "card" }, element("h2", {}, "Homing"),
     element("div", { class: "fields" }, label("Method (6098h)", method)),
@@ -81,14 +95,15 @@ export function homing() {
     element("div", { class: "fields" }, label("To the switch", fast, units[0][0]), label("Over its edge", slow, units[1][0]), label("Acceleration", acceleration, units[2][0])),
     element("div", { class: "fields" },
       element("button", { type: "button", id: "set-homing", "data-writes": true, onclick: set }, "Set up"),
-      element("button", { type: "button", id: "home", class: "primary", "data-powered": true, onclick: () => order("home").catch((error) => toast(error.message)) }, "Home")));
+      element("button", { type: "button", id: "home", class: "primary", "data-powered": true, onclick: home }, "Home")));
   const update = (drive) => {
     root.hidden = drive.homing === null;
     for (const [unit, which] of units) show(unit, drive.units[which]);
     const text = JSON.stringify(drive.homing);
     if (drive.homing === null || text === known) return;
     known = text;
-    ({ methods } = drive.homing);
+    last = drive.homing;
+    ({ methods } = last);
     method.replaceChildren(...methods.map((one) => element("option", { value: one.number }, `${one.number}  ${one.words}${one.index ? ", index pulse" : ""}`)));
     method.value = String(drive.homing.method);
     fast.value = drive.homing.fast;

@@ -26,7 +26,7 @@ const WAYS = [
   [6, "switched_on", "ready_to_switch_on", "M157 182V160", 168, 173],
   [4, "switched_on", "operation_enabled", "M117 216V238", 106, 231],
   [5, "operation_enabled", "switched_on", "M157 240V218", 168, 231],
-  [8, "operation_enabled", "ready_to_switch_on", "M62 250H48V141H60", 55, 196],
+  [8, "operation_enabled", "ready_to_switch_on", "M62 250H48V141H60", 55, 226],
   [10, "switched_on", "switch_on_disabled", "M62 199H30V89H60", 37, 128],
   [9, "operation_enabled", "switch_on_disabled", "M62 263H12V77H60", 19, 170],
   [11, "operation_enabled", "quick_stop_active", "M212 251H266", 239, 246],

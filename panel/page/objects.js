@@ -66,10 +66,12 @@ async function write(entry, value) {
     values.set(entry.address, { text: now });
     changed.add(entry.address);
     toast(`${entry.address} is ${now}`, "good");
+    refresh(entry);
+    return true;
   } catch (error) {
     toast(error.message);
+    return false;
   }
-  refresh(entry);
 }
 
 function refresh(entry) {
@@ -101,8 +103,9 @@ function edit(entry, row) {
     element("button", { type: "button", class: "small", onclick: close }, "Cancel"));
   row.editor.addEventListener("submit", async (event) => {
     event.preventDefault();
-    await write(entry, input.value);
-    close();
+    const isWritten = await write(entry, input.value);
+    if (isWritten) close();
+    else mark(input, "aria-invalid", true);
   });
   row.editor.addEventListener("keydown", (event) => { if (event.key === "Escape") close(); });
   row.actions.before(row.editor);

@@ -216,10 +216,19 @@ def test_homing_is_drawn_and_set_up(start, panel):
     window.fill("#homing-fast", "1500")
     window.click("#set-homing")
     expect(window.locator(".toast.good").last).to_have_text("Homing is set up")
+    # Home homes as it is drawn, set up or not: here where it stands.
+    enable(window)
+    window.fill("#target", "1000")
+    window.click("#move-to")
+    expect(window.locator("#position")).to_have_text("1\u202f000")
+    window.select_option("#homing-method", "37")
+    window.click("#home")
+    expect(window.locator("#position")).to_have_text("0")
     open_page(window, "objects", "Objects")
-    window.fill("#search", "6099h:01")
-    window.click(".object >> text=Read")
-    expect(window.locator(".object .value")).to_have_text("1500")
+    for address, value in (("6099h:01", "1500"), ("6098h", "37")):
+        window.fill("#search", address)
+        window.click(".object >> text=Read")
+        expect(window.locator(".object .value")).to_have_text(value)
 
 
 def test_a_velocity_is_given_in_its_mode(start, panel):
