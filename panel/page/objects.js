@@ -38,7 +38,7 @@ async function load(id) {
 /** Whether it was written here, or is known not to be what it was from the factory. */
 function isChanged(entry) {
   const value = values.get(entry.address)?.text;
-  return changed.has(entry.address) || (entry.writable && value !== undefined && entry.default !== null && value.split(" (")[0] !== entry.default);
+  return changed.has(entry.address) || (entry.writable && value !== undefined && entry.default !== null && value !== entry.default);
 }
 
 function found() {

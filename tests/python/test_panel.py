@@ -208,24 +208,32 @@ def test_a_device_that_is_no_drive_has_its_objects(panel, pytestconfig):
     expect_end(one)
 
 
+class Together:
+    """One bus made of two: what passes on either of them goes to the other, until it is cut."""
+
+    def __init__(self, *ports):
+        self.buses = buses = [can.Bus(interface="slcan", channel=f"socket://127.0.0.1:{port}", bitrate=1_000_000, sleep_after_open=0.05) for port in ports]
+        self.notifiers = [can.Notifier(here, [there.send], timeout=0.02) for here, there in (buses, buses[::-1])]
+
+    def cut(self):
+        while self.notifiers:
+            self.notifiers.pop().stop()
+        while self.buses:
+            self.buses.pop().shutdown()
+
+
 @pytest.fixture
 def together():
-    """Makes one bus of two: what passes on either of them goes to the other."""
-    buses, notifiers = [], []
-
-    def join(*ports):
-        buses.extend(can.Bus(interface="slcan", channel=f"socket://127.0.0.1:{port}", bitrate=1_000_000, sleep_after_open=0.05) for port in ports)
-        notifiers.extend(can.Notifier(here, [there.send], timeout=0.02) for here, there in (buses, buses[::-1]))
-
-    yield join
-    for part in (*notifiers, *buses):
-        part.stop() if isinstance(part, can.Notifier) else part.shutdown()
+    made = []
+    yield lambda *ports: made.append(Together(*ports)) or made[-1]
+    for one in made:
+        one.cut()
 
 
 def test_two_drives_of_different_make_are_shown_side_by_side(start, panel, together):
     ours = start(arguments=["--node-id", "4"])
     theirs = start(arguments=["--product", "lmd", "--node-id", "5"])
-    together(ours.port, theirs.port)
+    cable = together(ours.port, theirs.port)
     window = panel("--slcan", f"127.0.0.1:{ours.port}", "--eds", ROOT / "products" / "lmd" / "lmd.eds").open()
     expect(window.locator(".node")).to_have_count(2)
     for node, sheet in ((5, "lmd.eds"), (4, "axis402.eds")):
@@ -243,6 +251,22 @@ def test_two_drives_of_different_make_are_shown_side_by_side(start, panel, toget
         expect(window.locator("#record")).to_be_visible(visible=sheet == "axis402.eds")
         window.evaluate(f"location.hash = '#objects/{node}'")
         expect(window.locator("#source")).to_contain_text(re.compile(f"[0-9]+ entries of .*{re.escape(sheet)}"))
+    # One that vanishes is told, and what was read of it before is not shown as if it were now.
+    window.evaluate("location.hash = '#objects/5'")
+    window.fill("#search", "1017h:00")
+    window.click(".object >> text=Change")
+    window.fill(".editor input", "100")
+    window.click("text=Write")
+    open_page(window, "bus", "Bus")
+    theirs_row = window.locator(".node", has=window.locator("[data-node='5']"))
+    expect(theirs_row).to_contain_text(re.compile("heartbeat 0[.][0-9] s ago"))
+    window.click("[data-node='5']")
+    expect(window.locator("#state")).to_have_text("Switch on disabled")
+    cable.cut()
+    expect(window.locator("#state")).to_have_text("No answer")
+    expect(window.locator("#position")).to_have_text("–")
+    open_page(window, "bus", "Bus")
+    expect(theirs_row).to_contain_text("silent")
 
 
 def test_a_data_sheet_with_mistakes_is_used_with_a_note(start, panel, tmp_path):

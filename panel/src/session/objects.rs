@@ -1,8 +1,8 @@
 //! The object dictionary of a node: what is in it, reading, and writing what the data sheet allows.
 
 use master::Line;
-use master::axis402::{self, Problem};
-use master::data_sheet::{Address, DataSheet, value};
+use master::axis402::{self, Node, Problem};
+use master::data_sheet::{Address, value};
 use od_gen::model::{Access, DefaultValue, Entry};
 use od_gen::{DataType, transfer};
 
@@ -15,7 +15,7 @@ impl<L: Line> Session<L> {
         let model = node.sheet.model();
         let entries = model.entries().map(|(object, entry)| {
             let address = Address::new(object.index, entry.sub);
-            describe(&node.sheet, address, entry)
+            describe(&node, address, entry)
         });
         Ok(Answer::Dictionary {
             title: node.sheet.title().to_owned(),
@@ -107,15 +107,16 @@ fn check(entry: &Entry, value: &str) -> Result<(), String> {
     Ok(())
 }
 
-fn describe(sheet: &DataSheet, address: Address, entry: &Entry) -> DictionaryEntry {
+fn describe(node: &Node, address: Address, entry: &Entry) -> DictionaryEntry {
     let (low, high) = entry.integer_limits();
-    let text = |value: &DefaultValue| match is_decimal(address, value) {
-        true => decimal(value),
-        false => transfer::text(value, entry.data_type),
+    // In the words in which it would be read from this node: what is the same looks the same.
+    let text = |value: &DefaultValue| {
+        let bytes = transfer::bytes(value, entry.data_type, node.id);
+        shown(address, &bytes, Some(entry.data_type))
     };
     DictionaryEntry {
         address: address.to_string(),
-        name: sheet.name(address).unwrap_or_default(),
+        name: node.sheet.name(address).unwrap_or_default(),
         data_type: entry.data_type.name(),
         readable: is_readable(entry.access),
         writable: is_writable(entry.access),

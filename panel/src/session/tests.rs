@@ -313,6 +313,32 @@ fn the_dictionary_is_that_of_the_data_sheet() {
 }
 
 #[test]
+fn nothing_of_a_fresh_drive_is_marked_as_changed() {
+    let mut bench = Bench::chosen();
+    let Outcome::Done(Answer::Dictionary { entries, .. }) =
+        bench.order(Order::Dictionary { node: NODE })
+    else {
+        panic!("no dictionary");
+    };
+    let mut compared = 0;
+    let mut changed = Vec::new();
+    for entry in entries {
+        if !entry.readable || !entry.writable || entry.data_type == "DOMAIN" {
+            continue;
+        }
+        if let Some(default) = entry.default {
+            let value = bench.done(read(&entry.address));
+            compared += 1;
+            if value != default {
+                changed.push(format!("{}: {value}, {default}", entry.address));
+            }
+        }
+    }
+    assert!(compared > 200, "{compared}");
+    assert_eq!(changed, [""; 0]);
+}
+
+#[test]
 fn transitions_are_those_of_the_state() {
     let mut bench = Bench::chosen();
     bench.run_for(200);
