@@ -46,13 +46,17 @@ pub struct Converted {
     pub lost: Vec<String>,
 }
 
-/// Writes a model in a format; `None` when that is one of a configured device, and the model is of none. `file` is the name that the
-/// file will have.
+/// Writes a model in a format; `None` when that is one of a configured device, and the model has neither a node-ID nor a value for
+/// one. `file` is the name that the file will have.
 pub fn convert(model: &Model, format: Format, file: &str) -> Option<Converted> {
     let mut wanted = model.clone();
     wanted.file_info.file_name = file.into();
     if format.is_of_one_device() {
-        wanted.commissioning.as_ref()?;
+        let entries = wanted.objects.iter().flat_map(|object| &object.entries);
+        let has_values = entries.into_iter().any(|entry| entry.configured.is_some());
+        if wanted.commissioning.is_none() && wanted.kind != FileKind::Dcf && !has_values {
+            return None;
+        }
         wanted.kind = FileKind::Dcf;
     } else {
         wanted.kind = FileKind::Eds;

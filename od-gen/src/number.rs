@@ -69,6 +69,10 @@ fn nearest(text: &str) -> Option<String> {
     let bare = bare.split(';').next().unwrap_or(bare).trim_end();
     let lower = bare.to_ascii_lowercase();
     let begins_with_digit = bare.starts_with(|letter: char| letter.is_ascii_digit());
+    // `1e3` may be 1000, or 1E3h: nobody can tell.
+    let is_power_of_ten = (lower.split_once('e')).is_some_and(|(left, right)| {
+        Number::spelled(left).is_ok() && Number::spelled(right).is_ok()
+    });
     let hexadecimal = lower.strip_suffix('h').unwrap_or(bare);
     let meant = [
         Some(bare.to_owned()),
@@ -77,7 +81,7 @@ fn nearest(text: &str) -> Option<String> {
         // `10u` of C, `1.0`.
         Some(bare.trim_end_matches(['u', 'U', 'l', 'L']).to_owned()),
         bare.strip_suffix(".0").map(str::to_owned),
-        begins_with_digit.then(|| format!("0x{hexadecimal}")),
+        (begins_with_digit && !is_power_of_ten).then(|| format!("0x{hexadecimal}")),
         matches!(&*lower, "true" | "yes").then(|| "1".into()),
         matches!(&*lower, "false" | "no").then(|| "0".into()),
     ];

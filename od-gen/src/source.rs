@@ -40,6 +40,12 @@ impl Span {
     }
 }
 
+/// Whether the name of a file ends with this, capital and small letters being equal.
+pub(crate) fn has_extension(file: &str, wanted: &str) -> bool {
+    let extension = file.rsplit_once('.').map_or("", |(_, extension)| extension);
+    extension.eq_ignore_ascii_case(wanted)
+}
+
 fn count(text: &str) -> u32 {
     u32::try_from(text.chars().count()).unwrap_or(u32::MAX)
 }

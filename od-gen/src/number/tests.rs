@@ -36,6 +36,13 @@ fn spelling_mistakes_are_refused() {
 }
 
 #[test]
+fn what_may_be_two_numbers_is_put_right_by_nobody() {
+    assert_eq!(nearest("1F"), Some("0x1F".into()));
+    assert_eq!(nearest("1e3"), None);
+    assert_eq!(nearest("1E3"), None);
+}
+
+#[test]
 fn the_node_id_may_stand_on_either_side() {
     for text in ["$NODEID+0x180", "0x180+$NODEID", " $nodeid + 0x180 "] {
         let default = DefaultNumber::parse(text).unwrap();

@@ -75,7 +75,7 @@ pub(super) fn read(
         entry.download_file = text("DownloadFile");
     }
     entry.places = places;
-    check_order(&mut entry, findings);
+    check_order(&mut entry, section, findings);
     check_default(
         &entry,
         section.key("DefaultValue").map(|key| &*key.value),
@@ -244,12 +244,19 @@ fn unknown_access(rule: &Rule, span: Span, findings: &Findings) -> Access {
 }
 
 /// The limits leave room.
-fn check_order(entry: &mut Entry, findings: &mut Findings) {
+fn check_order(entry: &mut Entry, section: &Section<'_>, findings: &mut Findings) {
     if let (Some(low), Some(high)) = (entry.low_limit, entry.high_limit)
         && low > high
     {
         let span = entry.places.of(Field::LowLimit);
-        let message = format!("LowLimit {low} is above HighLimit {high}");
+        // A pattern such as 0xFF is not what it looks like where the type has a sign.
+        let shown = |name: &str, limit: Limit| match section.key(name) {
+            Some(key) if key.value.contains(['x', 'X']) => format!("{} ({limit})", key.value),
+            _ => limit.to_string(),
+        };
+        let (low, high) = (shown("LowLimit", low), shown("HighLimit", high));
+        let name = entry.data_type.name();
+        let message = format!("LowLimit {low} is above HighLimit {high} in {name}");
         let finding = findings.report(&rule::LOW_ABOVE_HIGH, span, message);
         finding.also(entry.places.of(Field::HighLimit), "the upper limit");
         finding.help("either LowLimit is wrong, or HighLimit");

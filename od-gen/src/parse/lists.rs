@@ -118,8 +118,15 @@ fn read(
         };
         let Some(index) = number.and_then(index_of).filter(|index| defined(*index)) else {
             let message = format!("`{}` is not an index (0x1000 to 0xFFFF)", key.value);
-            findings.report(&rule::NOT_AN_INDEX, key.span, message);
-            let meant = Number::meant(&key.value).and_then(index_of);
+            let finding = findings.report(&rule::NOT_AN_INDEX, key.span, message);
+            // `1000` is 3E8h: the mark of a hexadecimal number is easily forgotten.
+            let marked = format!("0x{}", key.value);
+            let bare = Number::parse(&marked).ok().and_then(index_of);
+            let bare = bare.filter(|index| defined(*index));
+            if bare.is_some() {
+                finding.help(format!("write `{marked}`"));
+            }
+            let meant = Number::meant(&key.value).and_then(index_of).or(bare);
             if let Some(index) = meant.filter(|index| defined(*index)) {
                 listed.entry(index).or_insert(key.span);
             }

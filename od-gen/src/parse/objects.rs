@@ -45,13 +45,7 @@ pub(super) fn read(
             model.objects.push(object);
         }
     }
-    for ((index, _), section) in &sections.subs {
-        if !sections.objects.contains_key(index) {
-            let name = &section.name;
-            let message = format!("[{name}] has no object: there is no section [{index:04X}]");
-            findings.report(&rule::SUB_WITHOUT_OBJECT, section.span, message);
-        }
-    }
+    read_subs_without_object(sections, model, broken, findings);
     for ((index, _), section) in &sections.compact {
         let object = sections.objects.get(index);
         if object.is_none_or(|object| object.key("CompactSubObj").is_none()) {
@@ -62,6 +56,42 @@ pub(super) fn read(
             findings.report(&rule::COMPACT_LIST, section.span, message);
         }
     }
+}
+
+/// Sub-indices whose object has no section: what they say is kept, in a RECORD that nobody has described.
+fn read_subs_without_object(
+    sections: &Sections<'_>,
+    model: &mut Model,
+    broken: &mut Broken,
+    findings: &mut Findings,
+) {
+    for ((index, _), section) in &sections.subs {
+        if sections.objects.contains_key(index) {
+            continue;
+        }
+        let name = &section.name;
+        let message = format!("[{name}] has no object: there is no section [{index:04X}]");
+        findings.report(&rule::SUB_WITHOUT_OBJECT, section.span, message);
+        // Where that is silenced there is no such sub-index; and what is not there has been said once.
+        let is_silenced = findings.allowed(&rule::SUB_WITHOUT_OBJECT, section.span, ());
+        let is_nothing = *index < 0x1000 || section.keys.is_empty();
+        if is_nothing || is_silenced.is_some() || !broken.objects.insert(*index) {
+            continue;
+        }
+        let mut object = Object {
+            index: *index,
+            object_type: ObjectType::Record,
+            name: format!("Object {index:04X}h"),
+            places: Places::new(section.span),
+            ..Object::default()
+        };
+        let nothing = Section::new(format!("{index:04X}"));
+        read_subs(&mut object, &nothing, sections, broken, findings);
+        if !object.entries.is_empty() {
+            model.objects.push(object);
+        }
+    }
+    model.objects.sort_by_key(|object| object.index);
 }
 
 fn read_object(
@@ -190,7 +220,11 @@ fn check_header(
     let has_subs = sections
         .subs
         .range((object.index, 0)..=(object.index, u8::MAX));
-    let message = format!("[{}] is a {kind}: {names} means nothing here", section.name);
+    let article = if kind.starts_with('A') { "an" } else { "a" };
+    let message = format!(
+        "[{}] is {article} {kind}: {names} means nothing here",
+        section.name
+    );
     let finding = findings.report(&rule::HEADER_KEY, first.span, message);
     finding.help(if has_subs.count() == 0 {
         "the sub-indices have such keys; if it is one value, write ObjectType=0x7"

@@ -9,7 +9,7 @@ use crate::document::{self, Document, Key, Section};
 use crate::model::ObjectType;
 use crate::number::Number;
 use crate::rules::{reading, structure, value};
-use crate::source::Span;
+use crate::source::{Span, has_extension};
 use crate::spelling;
 
 /// The sections of a data sheet by meaning.
@@ -52,9 +52,8 @@ pub(super) enum CompactList {
 
 impl<'a> Sections<'a> {
     pub(super) fn sort(document: &'a Document<'a>, file: &str, findings: &mut Findings) -> Self {
-        let extension = file.rsplit_once('.').map_or("", |(_, extension)| extension);
         let mut sorted = Self {
-            is_dcf: extension.eq_ignore_ascii_case("dcf"),
+            is_dcf: has_extension(file, "dcf") || has_extension(file, "xdc"),
             ..Self::default()
         };
         for section in &document.sections {
@@ -234,7 +233,10 @@ pub(super) fn unknown_key(
 ) {
     let message = format!("`{}` in [{}] is not known", key.name, section.name);
     let finding = findings.report(&reading::UNKNOWN_KEY, key.name_span, message);
-    if let Some(near) = spelling::nearest(&key.name, known) {
+    // `BaudRate_100` is no misspelled `BaudRate_10`: another number is another thing.
+    let numbered = |name: &str| name.ends_with(|letter: char| letter.is_ascii_digit());
+    let near = spelling::nearest(&key.name, known);
+    if let Some(near) = near.filter(|near| !(numbered(&key.name) && numbered(near))) {
         finding.help(format!("is it `{near}`?"));
     }
 }

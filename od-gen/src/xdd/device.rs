@@ -6,6 +6,7 @@ use super::text::{eds_date, eds_time, one_line};
 use super::{Reader, as_it_is, find, flag, is};
 use crate::document::{Key, Section};
 use crate::number::Number;
+use crate::source::has_extension;
 
 /// Elements of DeviceIdentity, and what DeviceInfo calls them.
 pub(super) const IDENTITY: [(&str, &str); 5] = [
@@ -31,8 +32,15 @@ impl<'a, 'x> Reader<'a, 'x> {
     /// All sections that are no objects.
     pub(super) fn device(&self, root: Node<'x, 'x>) -> Vec<Section<'a>> {
         let mut sections = vec![self.file_info(root), self.device_info(root)];
-        let node = find(root, "deviceCommissioning").filter(|_| self.is_configured);
-        sections.extend(node.map(|node| self.commissioning(node)));
+        let node = find(root, "deviceCommissioning");
+        sections.extend(match node {
+            Some(node) if self.is_configured => Some(self.commissioning(node)),
+            // Values without a node, in a file that is not called an XDC.
+            None if self.is_configured && !has_extension(&self.source.file, "xdc") => {
+                Some(Section::new("DeviceComissioning"))
+            }
+            _ => None,
+        });
         sections.extend(find(root, "dummyUsage").map(|node| self.dummy_usage(node)));
         sections
     }
@@ -53,7 +61,10 @@ impl<'a, 'x> Reader<'a, 'x> {
     }
 
     fn file_info(&self, root: Node<'x, 'x>) -> Section<'a> {
-        let Some(body) = find(root, "ProfileBody") else {
+        // There are two, and some tools fill in the second alone.
+        let bodies = root.descendants().filter(|node| is(*node, "ProfileBody"));
+        let bodies: Vec<_> = bodies.collect();
+        let Some(body) = bodies.first().copied() else {
             return Section::new("FileInfo");
         };
         let mut section = self.section("FileInfo".into(), body);
@@ -68,13 +79,26 @@ impl<'a, 'x> Reader<'a, 'x> {
             ("ModificationDate", "fileModificationDate", eds_date),
             ("ModificationTime", "fileModificationTime", eds_time),
         ] {
-            self.put(&mut section, key, (body, attribute), spell);
+            for body in &bodies {
+                if section.key(key).is_none() {
+                    self.put(&mut section, key, (*body, attribute), spell);
+                }
+            }
         }
-        // A version is any text in XML, and a number in an EDS.
-        let version = body.attribute("fileVersion").unwrap_or_default();
-        if Number::parse_within(version, 0, 255).is_ok() {
-            self.put(&mut section, "FileVersion", (body, "fileVersion"), as_it_is);
+        // A version is any text in XML, and two numbers in an EDS.
+        let is_stated = |node: &&Node<'_, '_>| !version(**node).trim().is_empty();
+        let body = bodies.iter().find(is_stated).copied().unwrap_or(body);
+        let (number, revision) = version(body)
+            .split_once('.')
+            .unwrap_or((version(body), "0"));
+        let is_number = |text: &str| Number::parse_within(text, 0, 255).is_ok();
+        if is_number(number) && is_number(revision) {
+            let whole = (body, "fileVersion");
+            self.put(&mut section, "FileVersion", whole, |_| number.into());
+            self.put(&mut section, "FileRevision", whole, |_| revision.into());
         }
+        let text = find(root, "productText").and_then(|text| find(text, "description"));
+        self.put_text(&mut section, "Description", text);
         section
     }
 
@@ -148,7 +172,14 @@ impl<'a, 'x> Reader<'a, 'x> {
     }
 }
 
-/// `125 Kbps` is 125.
+/// The version of a ProfileBody.
+fn version<'x>(body: Node<'x, 'x>) -> &'x str {
+    body.attribute("fileVersion").unwrap_or_default()
+}
+
+/// `125 Kbps` is 125, and so is 125000: some tools count bits and not thousands of them.
 fn bit_rate(value: &str) -> String {
-    value.split_whitespace().next().unwrap_or_default().into()
+    let number = value.split_whitespace().next().unwrap_or_default();
+    let thousands = number.strip_suffix("000").filter(|rate| rate.len() > 1);
+    thousands.unwrap_or(number).into()
 }

@@ -20,7 +20,7 @@ use roxmltree::{Document as Xml, Node, ParsingOptions};
 use crate::diagnostic::Findings;
 use crate::document::{Comment, Document, Key, Section};
 use crate::rules::reading;
-use crate::source::{Source, Span};
+use crate::source::{Source, Span, has_extension};
 use text::one_line;
 pub use write::write;
 
@@ -60,12 +60,10 @@ pub(crate) fn read<'a>(source: &'a Source, findings: &mut Findings) -> Option<Do
         }
     };
     let root = xml.root();
-    let node = find(root, "deviceCommissioning");
-    let node_id = node.and_then(|node| node.attribute("nodeID"));
     let reader = Reader {
         source,
         parameters: parameters(&xml),
-        is_configured: node_id.is_some_and(|node_id| node_id.trim() != "0"),
+        is_configured: has_extension(&source.file, "xdc") || has_node_id(root) || has_values(root),
     };
     let Some(list) = find(root, "CANopenObjectList") else {
         let message = "there is no CANopenObjectList";
@@ -79,6 +77,22 @@ pub(crate) fn read<'a>(source: &'a Source, findings: &mut Findings) -> Option<Do
     document.sections.extend(reader.objects(list));
     document.keep_first(false, findings);
     Some(document)
+}
+
+/// Whether the device has been given its node-ID: 0 is none.
+fn has_node_id(root: Node<'_, '_>) -> bool {
+    let node = find(root, "deviceCommissioning");
+    let node_id = node.and_then(|node| node.attribute("nodeID"));
+    node_id.is_some_and(|node_id| node_id.trim() != "0")
+}
+
+/// Whether anything is configured: tools write the values of a device that is for no node yet.
+fn has_values(root: Node<'_, '_>) -> bool {
+    let values = root.descendants().filter_map(|node| match node {
+        node if is(node, "actualValue") => node.attribute("value"),
+        node => node.attribute("actualValue"),
+    });
+    values.into_iter().any(|value| !value.trim().is_empty())
 }
 
 /// The parameters that objects refer to, by their uniqueID.
@@ -100,7 +114,7 @@ fn find<'x>(node: Node<'x, 'x>, name: &str) -> Option<Node<'x, 'x>> {
 struct Reader<'a, 'x> {
     source: &'a Source,
     parameters: HashMap<&'x str, Node<'x, 'x>>,
-    /// Whether the file describes one device that has been given its node-ID.
+    /// Whether the file describes one device: it is an XDC, has a node-ID, or values.
     is_configured: bool,
 }
 
@@ -172,9 +186,9 @@ fn hexadecimal(value: &str) -> String {
     }
 }
 
-/// `true` and `false` as data sheets write them.
+/// `true` and `false` as data sheets write them. Some tools shout.
 fn flag(value: &str) -> String {
-    match value {
+    match value.to_ascii_lowercase().as_str() {
         "true" => "1".into(),
         "false" => "0".into(),
         _ => value.into(),

@@ -37,7 +37,11 @@ pub fn write(model: &Model) -> String {
     xml.open("ISO15745Profile", &[]);
     header(&mut xml, "Device");
     body(&mut xml, "ProfileBody_Device_CANopen", &model.file_info);
-    identity(&mut xml, section("DeviceInfo"));
+    identity(
+        &mut xml,
+        section("DeviceInfo"),
+        &model.file_info.description,
+    );
     parameters(&mut xml, model);
     xml.close();
     xml.close();
@@ -100,10 +104,18 @@ fn body(xml: &mut Writer, kind: &str, info: &FileInfo) {
         ("fileModifiedBy", info.modified_by.clone()),
         ("fileModificationDate", xml_date(&info.modification_date)),
         ("fileModificationTime", xml_time(&info.modification_time)),
-        ("fileVersion", info.file_version.to_string()),
+        ("fileVersion", version(info)),
         ("supportedLanguages", "en".into()),
     ];
     xml.open("ProfileBody", &stated(&attributes));
+}
+
+/// FileVersion and FileRevision.
+fn version(info: &FileInfo) -> String {
+    match (info.file_version, info.file_revision) {
+        (version, 0) => version.to_string(),
+        (version, revision) => format!("{version}.{revision}"),
+    }
 }
 
 /// The attributes that have a value.
@@ -113,11 +125,17 @@ fn stated(attributes: &Attributes) -> Vec<(&str, &str)> {
     attributes.filter(|(_, value)| !value.is_empty()).collect()
 }
 
-fn identity(xml: &mut Writer, info: Option<&Section<'_>>) {
+fn identity(xml: &mut Writer, info: Option<&Section<'_>>, description: &str) {
     xml.open("DeviceIdentity", &[]);
     for (element, key) in super::device::IDENTITY {
         if let Some(key) = info.and_then(|info| info.key(key)) {
             xml.text(element, &[], &key.value);
+        }
+        // The schema has the text about the product behind its number.
+        if element == "productID" && !description.is_empty() {
+            xml.open("productText", &[]);
+            xml.text("description", &[("lang", "en")], description);
+            xml.close();
         }
     }
     xml.close();

@@ -13,11 +13,8 @@ fn a_default_cob_id_is_not_restricted() {
     };
     for (old, default, what, identifier) in [
         (RPDO, "0x180", "1400h:1 is 00000180h", "180"),
-        (RPDO, "0", "1400h:1 is 00000000h", "000"),
         (TPDO, "0x400006E0", "1800h:1 is 400006E0h", "6E0"),
         (SYNC, "0x601", "1005h is 00000601h", "601"),
-        // Bit 31 of 1005h means nothing.
-        (SYNC, "0x80000000", "1005h is 80000000h", "000"),
     ] {
         let new = format!("DefaultValue={default}");
         finds(old, &new, old, &restricted(what, identifier));
@@ -26,7 +23,34 @@ fn a_default_cob_id_is_not_restricted() {
     let sync = "DataType=0x0007\nAccessType=rw\nDefaultValue=128\n";
     let without = "DataType=0x0007\nAccessType=rw\n";
     finds_nothing(sync, without);
-    finds_for_code(sync, without, &restricted("1005h is 00000000h", "000"));
+    finds_for_code(sync, without, &stands_for_none("1005h is 00000000h"));
+}
+
+fn stands_for_none(what: &str) -> String {
+    format!("{what}: 000h is NMT's, so it stands for no identifier")
+}
+
+#[test]
+fn a_default_cob_id_that_is_0_or_lacks_the_node_id_is_left_open() {
+    for (old, default, what) in [
+        (RPDO, "0", "1400h:1 is 00000000h"),
+        (TPDO, "0x40000000", "1800h:1 is 40000000h"),
+        // Bit 31 of 1005h means nothing.
+        (SYNC, "0x80000000", "1005h is 80000000h"),
+    ] {
+        finds(
+            old,
+            &format!("DefaultValue={default}"),
+            old,
+            &stands_for_none(what),
+        );
+    }
+    // Who produces SYNC with 000h starts every node instead.
+    let produces = super::findings(SYNC, "DefaultValue=0x40000000");
+    let restricted = "1005h is 40000000h: the identifier 000h is restricted (CiA 301, table 40)";
+    assert!(produces.ends_with(restricted), "{produces}");
+    let base = "1800h:1 is 00000180h: that is the predefined identifier without the node-ID";
+    finds(TPDO, "DefaultValue=0x180", TPDO, base);
 }
 
 #[test]

@@ -147,7 +147,7 @@ fn s30_limits_fit_their_type_and_leave_room() {
         "HighLimit=200\n\n",
         "HighLimit=-6\n\n",
         "[200asub1]",
-        "LowLimit -5 is above HighLimit -6",
+        "LowLimit -5 is above HighLimit -6 in INTEGER32",
     );
     finds(
         "DefaultValue=hello",

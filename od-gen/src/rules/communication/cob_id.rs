@@ -9,6 +9,7 @@ use crate::rules::{Rule, Subject};
 
 pub(crate) const RULES: &[&Rule] = &[
     &RESTRICTED_COB_ID,
+    &COB_ID_LEFT_OPEN,
     &EXTENDED_COB_ID,
     &RESERVED_COB_ID_BIT,
     &SDO_CLIENT_COB_ID,
@@ -23,6 +24,15 @@ static RESTRICTED_COB_ID: Rule = Rule::error(
      180h, 581h to 5FFh, 601h to 67Fh, 6E0h to 6FFh, 701h to 7FFh. When this is silenced, the device starts with the COB-ID \
      all the same, and refuses it from a master.",
 );
+
+static COB_ID_LEFT_OPEN: Rule = Rule::masters(
+    "cob-id-left-open",
+    "The default of a COB-ID is an identifier that the service can have.",
+    "Many data sheets write 0 for a COB-ID without a default, or the identifier of the predefined connection set without the node-ID (80h \
+     in 1014h, 180h in 1800h:1), which the device adds. A master takes it by the letter, and finds NMT's 000h or SYNC's 080h. Write \
+     $NODEID+ in front of it, set bit 31 where the service is off, or write no default.",
+)
+.strict();
 
 static EXTENDED_COB_ID: Rule = Rule::firmware(
     "extended-cob-id",
@@ -98,6 +108,11 @@ struct CobId {
 }
 
 impl CobId {
+    /// Whether its default says nothing: 0, or what the node-ID is still to be added to.
+    fn is_left_open(&self) -> bool {
+        is_left_open(self.index, self.setting) && self.is_used_for != OFF
+    }
+
     fn place(&self) -> String {
         match (self.index, self.sub) {
             (index, 0) => format!("{index:04X}h"),
@@ -186,6 +201,13 @@ fn broken(cob_id: &CobId, value: i128) -> Option<(&'static Rule, String)> {
         ));
     }
     let identifier = value & IDENTIFIER;
+    if cob_id.is_left_open() {
+        let why = match identifier {
+            0 => "000h is NMT's, so it stands for no identifier",
+            _ => "that is the predefined identifier without the node-ID",
+        };
+        return Some((&COB_ID_LEFT_OPEN, why.into()));
+    }
     let is_default_server = matches!(identifier, 0x581..=0x5FF | 0x601..=0x67F);
     if matches!(cob_id.index, 0x1280..=0x12FF) && is_default_server {
         let why = format!("{identifier:03X}h belongs to a default SDO server");
@@ -195,6 +217,17 @@ fn broken(cob_id: &CobId, value: i128) -> Option<(&'static Rule, String)> {
         let why = format!("the identifier {identifier:03X}h is restricted (CiA 301, table 40)");
         (&RESTRICTED_COB_ID, why)
     })
+}
+
+/// Whether a default is 0, or what the predefined connection set adds the node-ID to, where that is another service's.
+pub(super) fn is_left_open(index: u16, setting: Setting) -> bool {
+    let (value, produces) = (setting.value, matches!(index, 0x1005 | 0x1012));
+    let is_none = value & IDENTIFIER == 0 && !(produces && value & PRODUCES != 0);
+    let is_base = matches!(
+        (index, value & IDENTIFIER),
+        (0x1014, 0x080) | (0x1800, 0x180)
+    );
+    !setting.adds_node_id && value & EXTENDED == 0 && (is_none || is_base)
 }
 
 /// Whether a COB-ID is one that no service may have, with some node-ID.
@@ -213,7 +246,8 @@ fn check_uses(model: &Subject<'_>, cob_ids: &[CobId], findings: &mut Findings) {
     // The services before, by identifier without the node-ID.
     let mut plain: BTreeMap<i128, &CobId> = BTreeMap::new();
     let mut relative: BTreeMap<i128, &CobId> = BTreeMap::new();
-    for cob_id in cob_ids.iter().filter(|cob_id| cob_id.is_used_for != OFF) {
+    let is_used = |cob_id: &&CobId| cob_id.is_used_for != OFF && !cob_id.is_left_open();
+    for cob_id in cob_ids.iter().filter(is_used) {
         let identifier = cob_id.setting.value & IDENTIFIER;
         let node_ids = match &model.commissioning {
             Some(node) => node.node_id.max(1)..=node.node_id.max(1),

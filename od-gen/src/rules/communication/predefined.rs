@@ -84,8 +84,8 @@ fn expect(
     if is_right || (is_off && setting.value & IDENTIFIER == 0) {
         return;
     }
-    // One that nobody may use has been reported.
-    if cob_id::is_refused(model, setting) {
+    // One that nobody may use, or that says nothing, has been reported.
+    if cob_id::is_refused(model, setting) || cob_id::is_left_open(index, setting) {
         return;
     }
     let node_id = |adds: bool| if adds { " + node-ID" } else { "" };

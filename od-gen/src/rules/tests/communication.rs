@@ -183,6 +183,16 @@ pub(super) const CASES: &[Case] = &[
         &["1028:1 U32 rw 0x80000701"],
     ),
     case(
+        "cob-id-left-open",
+        &["1028:1 U32 rw 0", "1028:2 U32 rw 0"],
+        &["1028:1 U32 rw 0x80000000", "1028:2 U32 rw 0x85"],
+    ),
+    case(
+        "cob-id-left-open",
+        &["1005 U32 rw 0x80", "1014 U32 rw 0x80"],
+        &["1005 U32 rw 0x80", "1014 U32 rw $NODEID+0x80"],
+    ),
+    case(
         "sdo-client-cob-id",
         &[
             "1280:1 U32 rw 0x601",
