@@ -5,6 +5,8 @@ use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
+use std::sync::mpsc::SyncSender;
+use std::thread;
 
 use canopen::{BitRate, Duration};
 use clap::Parser;
@@ -88,14 +90,30 @@ pub fn go_on_bus(arguments: &Bus) -> Result<Master<Real>, Problem> {
             return Err(Problem::Usage(missing.to_owned()));
         }
     }
-    let stopper = bus.stopper();
-    // Without it a person still ends the program, but devices may be left in configuration state.
-    let _ = ctrlc::set_handler(move || {
-        let _ = stopper.try_send(Incoming::Stop);
-    });
+    stop_by_signal(bus.stopper(), arguments.timeout.into());
     let mut master = Master::on(Real::new(bus));
     master.set_answer_time(milliseconds(arguments.timeout));
     Ok(master)
+}
+
+/// Lets a signal end the program. Whoever listens to the bus hears it and puts devices right first. Whoever waits for a file, such as a
+/// pipe that nobody writes to, does not: a second signal ends the program at once, and so does a time in which any answer would be there.
+fn stop_by_signal(stopper: SyncSender<Incoming>, timeout: u64) {
+    const GRACE: std::time::Duration = std::time::Duration::from_secs(2);
+    let end = || std::process::exit(Problem::Stopped.code().into());
+    let mut is_first = true;
+    // Without it a person still ends the program, but devices may be left in configuration state.
+    let _ = ctrlc::set_handler(move || {
+        let _ = stopper.try_send(Incoming::Stop);
+        if !std::mem::take(&mut is_first) {
+            end();
+        }
+        let grace = GRACE + std::time::Duration::from_millis(timeout);
+        thread::spawn(move || {
+            thread::sleep(grace);
+            end();
+        });
+    });
 }
 
 /// A serial port, unless it is an address with the number of a port.

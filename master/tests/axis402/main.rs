@@ -12,5 +12,6 @@ mod objects;
 mod program;
 mod scanning;
 mod scope;
+mod signals;
 mod two_masters;
 mod vendors;

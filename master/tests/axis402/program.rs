@@ -43,7 +43,7 @@ impl Served {
     }
 
     /// The output of a command that succeeds.
-    fn told(&self, arguments: &[&str]) -> String {
+    pub fn told(&self, arguments: &[&str]) -> String {
         let output = self.run(arguments);
         let error = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(0), "{arguments:?}: {error}");
@@ -315,33 +315,6 @@ fn help_is_no_mistake() {
     ] {
         assert_eq!(run(arguments).status.code(), Some(0));
     }
-}
-
-#[cfg(unix)]
-#[test]
-fn a_monitor_runs_until_it_is_stopped() {
-    use std::io::{BufRead, BufReader};
-    use std::process::Stdio;
-
-    let served = Served::start(Setup::with_node_id(1, 4));
-    // From now on TPDO 1 comes every 100 ms.
-    served.told(&["nmt", "start", "4"]);
-    let mut monitor = Command::new(env!("CARGO_BIN_EXE_axis402"))
-        .args(["--slcan", &served.address.to_string(), "monitor"])
-        .stdout(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let mut lines = BufReader::new(monitor.stdout.take().unwrap()).lines();
-    let line = lines.next().unwrap().unwrap();
-    assert!(line.ends_with("TPDO 1: switch on disabled"), "{line}");
-    // That of the shell: a bare Debian has no program of that name.
-    let kill = Command::new("sh")
-        .args(["-c", &format!("kill -INT {}", monitor.id())])
-        .status()
-        .unwrap();
-    assert!(kill.success());
-    assert!(lines.all(|line| line.is_ok()));
-    assert_eq!(monitor.wait().unwrap().code(), Some(0));
 }
 
 #[test]
