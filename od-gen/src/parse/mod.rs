@@ -10,6 +10,7 @@ mod entry;
 mod lists;
 mod modules;
 mod objects;
+mod orphans;
 mod sections;
 pub(crate) mod value;
 

@@ -2,7 +2,7 @@
 
 use super::entry::{self, Context};
 use super::sections::{Sections, number};
-use super::{Broken, compact};
+use super::{Broken, compact, orphans};
 use crate::data_type::DataType;
 use crate::diagnostic::{Findings, Mistake};
 use crate::document::Section;
@@ -45,7 +45,7 @@ pub(super) fn read(
             model.objects.push(object);
         }
     }
-    read_subs_without_object(sections, model, broken, findings);
+    orphans::read(sections, model, broken, findings);
     for ((index, _), section) in &sections.compact {
         let object = sections.objects.get(index);
         if object.is_none_or(|object| object.key("CompactSubObj").is_none()) {
@@ -56,42 +56,6 @@ pub(super) fn read(
             findings.report(&rule::COMPACT_LIST, section.span, message);
         }
     }
-}
-
-/// Sub-indices whose object has no section: what they say is kept, in a RECORD that nobody has described.
-fn read_subs_without_object(
-    sections: &Sections<'_>,
-    model: &mut Model,
-    broken: &mut Broken,
-    findings: &mut Findings,
-) {
-    for ((index, _), section) in &sections.subs {
-        if sections.objects.contains_key(index) {
-            continue;
-        }
-        let name = &section.name;
-        let message = format!("[{name}] has no object: there is no section [{index:04X}]");
-        findings.report(&rule::SUB_WITHOUT_OBJECT, section.span, message);
-        // Where that is silenced there is no such sub-index; and what is not there has been said once.
-        let is_silenced = findings.allowed(&rule::SUB_WITHOUT_OBJECT, section.span, ());
-        let is_nothing = *index < 0x1000 || section.keys.is_empty();
-        if is_nothing || is_silenced.is_some() || !broken.objects.insert(*index) {
-            continue;
-        }
-        let mut object = Object {
-            index: *index,
-            object_type: ObjectType::Record,
-            name: format!("Object {index:04X}h"),
-            places: Places::new(section.span),
-            ..Object::default()
-        };
-        let nothing = Section::new(format!("{index:04X}"));
-        read_subs(&mut object, &nothing, sections, broken, findings);
-        if !object.entries.is_empty() {
-            model.objects.push(object);
-        }
-    }
-    model.objects.sort_by_key(|object| object.index);
 }
 
 fn read_object(
@@ -267,7 +231,7 @@ fn object_type(section: &Section<'_>, likely: ObjectType, findings: &mut Finding
     object_type.or(named).unwrap_or(likely)
 }
 
-fn read_subs(
+pub(super) fn read_subs(
     object: &mut Object,
     section: &Section<'_>,
     sections: &Sections<'_>,

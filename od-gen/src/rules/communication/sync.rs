@@ -1,6 +1,7 @@
 //! Rules: SYNC, and emergencies (CiA 301, 7.2.5 and 7.2.7).
 
 use crate::diagnostic::Findings;
+use crate::model::Field;
 use crate::rules::setting::{Setting, number};
 use crate::rules::{Rule, Subject};
 
@@ -105,7 +106,12 @@ pub(crate) fn check(model: &Subject<'_>, findings: &mut Findings) {
 }
 
 fn check_error_list(model: &Subject<'_>, findings: &mut Findings) {
-    let Some(entry) = model.entry(0x1003, 0) else {
+    let Some(object) = model.object(0x1003) else {
+        return;
+    };
+    // CompactSubObj says of sub-index 0 how many there can be, and not how many there are; a generated device starts with it.
+    let is_implied = object.places.has(Field::CompactSubObj) && !findings.is_for_code();
+    let Some(entry) = object.entry(0).filter(|_| !is_implied) else {
         return;
     };
     if let Some(count) = Setting::of(entry).filter(|count| count.value != 0) {
@@ -120,7 +126,7 @@ fn check_error_list(model: &Subject<'_>, findings: &mut Findings) {
             "1003h:0 is {}: nobody can clear the list",
             entry.access.name()
         );
-        let span = entry.places.of(crate::model::Field::AccessType);
+        let span = entry.places.of(Field::AccessType);
         findings
             .report(&ERROR_LIST, span, message)
             .help("write `AccessType=rw`");
