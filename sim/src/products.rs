@@ -37,6 +37,9 @@ pub trait Drive: Station {
 
     /// The flash behind the parameter store, to break it.
     fn with_flash(&mut self, change: &mut dyn FnMut(&mut Flash));
+
+    /// Takes the power away and gives it back at once.
+    fn power_cycle(&mut self);
 }
 
 impl<D, A> Drive for VirtualDrive<D, A>
@@ -71,6 +74,10 @@ where
 
     fn with_flash(&mut self, change: &mut dyn FnMut(&mut Flash)) {
         Self::with_flash(self, change);
+    }
+
+    fn power_cycle(&mut self) {
+        Self::power_cycle(self);
     }
 }
 

@@ -2,10 +2,13 @@
 
 mod behaviour;
 mod bench;
+mod bus;
 mod capabilities;
 mod motion;
 mod moves;
 mod objects;
+mod periphery;
 mod promises;
 mod scenes;
 mod sequences;
+mod speeds;

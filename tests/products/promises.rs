@@ -8,33 +8,33 @@ const NODE: u8 = 4;
 const ID: u16 = NODE as u16;
 
 /// A product in pre-operational that has said so.
-fn booted(name: &str) -> Bench {
+pub fn booted(name: &str) -> Bench {
     let mut bench = Bench::node(name, NODE);
     let boot_up = bench.next(0x700 + ID, 100).expect("a boot-up message");
     assert_eq!(boot_up.payload(), [0], "{name}");
     bench
 }
 
-fn nmt(bench: &mut Bench, command: u8) {
+pub fn nmt(bench: &mut Bench, command: u8) {
     bench.send(&Frame::data_frame(0, &[command, NODE]));
     bench.run(20);
 }
 
-fn operational(name: &str) -> Bench {
+pub fn operational(name: &str) -> Bench {
     let mut bench = booted(name);
     nmt(&mut bench, 1);
     bench
 }
 
 /// The abort code of an upload; `None` if it is answered.
-fn refusal(bench: &mut Bench, index: u16, sub: u8) -> Option<u32> {
+pub fn refusal(bench: &mut Bench, index: u16, sub: u8) -> Option<u32> {
     let [low, high] = index.to_le_bytes();
     let answer = bench.sdo(NODE, [0x40, low, high, sub, 0, 0, 0, 0]);
     (answer[0] == 0x80).then(|| u32::from_le_bytes([answer[4], answer[5], answer[6], answer[7]]))
 }
 
 /// The abort code of a download of one byte; 0 if it is taken.
-fn write_byte(bench: &mut Bench, index: u16, sub: u8, value: u8) -> u32 {
+pub fn write_byte(bench: &mut Bench, index: u16, sub: u8, value: u8) -> u32 {
     let [low, high] = index.to_le_bytes();
     match bench.sdo(NODE, [0x2F, low, high, sub, value, 0, 0, 0]) {
         [0x60, ..] => 0,
@@ -43,7 +43,7 @@ fn write_byte(bench: &mut Bench, index: u16, sub: u8, value: u8) -> u32 {
 }
 
 /// How many frames with this identifier come in so many milliseconds.
-fn count(bench: &mut Bench, cob_id: u16, milliseconds: u32) -> usize {
+pub fn count(bench: &mut Bench, cob_id: u16, milliseconds: u32) -> usize {
     bench.sent.clear();
     bench.run(milliseconds);
     let own = |frame: &&Frame| frame.standard_id() == Some(cob_id);
@@ -51,7 +51,7 @@ fn count(bench: &mut Bench, cob_id: u16, milliseconds: u32) -> usize {
 }
 
 /// The emergencies that wait, each with its code and its bytes behind it.
-fn emergencies(bench: &mut Bench) -> Vec<(u16, [u8; 6])> {
+pub fn emergencies(bench: &mut Bench) -> Vec<(u16, [u8; 6])> {
     let own = |frame: &Frame| {
         let bytes = *frame.full_payload()?;
         let [low, high, rest @ ..] = bytes;
@@ -261,7 +261,7 @@ fn has_transmission_types(name: &str) {
 }
 
 /// TPDO 1 with this transmission type and no inhibit time.
-fn with_type(name: &str, kind: u8) -> Bench {
+pub fn with_type(name: &str, kind: u8) -> Bench {
     let mut bench = booted(name);
     bench.write(NODE, 0x1800, 1, &0xC000_0184_u32.to_le_bytes());
     bench.write(NODE, 0x1800, 2, &[kind]);
@@ -511,7 +511,7 @@ mod each {
         tells_of_errors: lmd nanotec s200 tc1;
         keeps_a_history: lmd s200 tc1;
         keeps_emergencies_apart: lmd tc1;
-        watches_heartbeats: s200 tc1;
+        watches_heartbeats: lmd s200 tc1;
         watches_its_life: lmd nanotec s200;
         has_its_pdos: lmd nanotec s200 tc1;
         has_transmission_types: lmd nanotec s200 tc1;
@@ -538,7 +538,8 @@ mod each {
         super::has_none_of(
             "nanotec",
             &[
-                0x1006, 0x1012, 0x1016, 0x1019, 0x1029, 0x60A4, 0x6087, 0x6077, 0x60B8,
+                0x1006, 0x1012, 0x1016, 0x1019, 0x1029, 0x60A4, 0x6087, 0x6077, 0x60B1, 0x60B2,
+                0x60B8,
             ],
         );
         super::has_none_of("s200", &[0x1012, 0x1019, 0x1007, 0x1015, 0x1200]);
@@ -562,7 +563,8 @@ mod each {
     #[test]
     fn refuses_modes_that_it_does_not_have() {
         let mut bench = super::booted("nanotec");
-        for mode in [3, 8, 9, 10] {
+        // Nor has it any of its maker for the direction of a clock, an analogue speed or a joystick.
+        for mode in [3, 8, 9, 10, 0xFA, 0xFB, 0xFC, 0xFD] {
             assert_ne!(super::write_byte(&mut bench, 0x6060, 0, mode), 0, "{mode}");
         }
     }

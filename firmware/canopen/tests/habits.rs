@@ -45,6 +45,9 @@ impl<const HAS_HABITS: bool> Dictionary for Device<HAS_HABITS> {
             acyclic_is_each_sync: true,
             short_sizes: true,
             mapped_length_of_0: true,
+            lss_100_kbit: true,
+            receives_at_nth_sync: true,
+            tells_its_state: true,
             tells_of_the_rest: true,
         }
     } else {
@@ -306,4 +309,70 @@ fn type_0_is_sent_at_each_sync_or_behind_an_event() {
     }
     // The start is an event.
     assert_eq!((sent::<false>(), sent::<true>()), (1, 3));
+}
+
+#[test]
+fn index_5_of_lss_is_100_kbit_or_reserved() {
+    fn answered<const HAS_HABITS: bool>() -> Vec<u8> {
+        let mut node = node::<HAS_HABITS>();
+        let mut codes = Vec::new();
+        // Outside of the configuration state nobody answers.
+        for request in [
+            [0x13, 0, 5, 0, 0, 0, 0, 0],
+            [0x04, 1, 0, 0, 0, 0, 0, 0],
+            [0x13, 0, 5, 0, 0, 0, 0, 0],
+            [0x13, 1, 5, 0, 0, 0, 0, 0],
+        ] {
+            node.receive(&Frame::full(0x7E5, request), NOW, &mut ());
+            node.poll(NOW, &mut ());
+            codes.extend(node.transmit(&mut ()).map(|answer| answer.payload()[1]));
+        }
+        codes
+    }
+    assert_eq!(answered::<false>(), [1, 1]);
+    assert_eq!(answered::<true>(), [0, 1]);
+}
+
+#[test]
+fn a_receive_pdo_of_type_3_counts_at_the_third_sync_or_at_the_next() {
+    /// What 2003h is behind each of four SYNCs.
+    fn applied<const HAS_HABITS: bool>() -> Vec<u8> {
+        let mut node = node::<HAS_HABITS>();
+        refusal(&mut node, (0x1400, 1), &0x8000_0204_u32.to_le_bytes());
+        assert_eq!(refusal(&mut node, (0x1400, 2), &[3]), 0);
+        refusal(&mut node, (0x1400, 1), &0x0000_0204_u32.to_le_bytes());
+        node.receive(&Frame::data_frame(0, &[1, 4]), NOW, &mut ());
+        let mut seen = Vec::new();
+        for beat in 1..=4 {
+            // A newer frame takes the place of the one that waits, and begins no new count.
+            node.receive(&Frame::full(0x204, [beat; 8]), NOW, &mut ());
+            node.receive(&Frame::data_frame(0x080, &[]), NOW, &mut ());
+            node.poll(NOW, &mut ());
+            let entry = canopen::od::find::<Device<HAS_HABITS>>(0x2003, 0).unwrap();
+            seen.push(canopen::od::value(node.dictionary(), entry)[0]);
+        }
+        seen
+    }
+    assert_eq!(applied::<false>(), [1, 2, 3, 4]);
+    assert_eq!(applied::<true>(), [0, 0, 3, 3]);
+}
+
+#[test]
+fn a_change_of_the_state_is_told_or_not() {
+    fn told<const HAS_HABITS: bool>() -> Vec<u8> {
+        let mut node = node::<HAS_HABITS>();
+        let mut states = Vec::new();
+        for command in [1, 1, 2, 128] {
+            node.receive(&Frame::data_frame(0, &[command, 4]), NOW, &mut ());
+            node.poll(NOW, &mut ());
+            while let Some(frame) = node.transmit(&mut ()) {
+                if frame.standard_id() == Some(0x704) {
+                    states.push(frame.payload()[0]);
+                }
+            }
+        }
+        states
+    }
+    assert_eq!(told::<false>(), []);
+    assert_eq!(told::<true>(), [5, 4, 127]);
 }

@@ -14,7 +14,7 @@ use crate::option_codes::{AbortConnectionOption, QuickStopOption, Stop, StopRamp
 use crate::outputs::OutputConfiguration;
 use crate::profile::ProfileConfiguration;
 use crate::pulse_timing::PulseTiming;
-use crate::units::{Ratio, Units};
+use crate::units::{Ratio, Units, VELOCITY_POLARITY};
 use cia402_parameters::every_parameter;
 
 /// How 607Dh is read.
@@ -71,10 +71,16 @@ impl VelocityConfiguration {
     };
 
     fn of<D: Objects>(dictionary: &D) -> Self {
-        let dimension = (
+        let mut dimension = (
             dictionary.vl_dimension_numerator(),
             dictionary.vl_dimension_denominator(),
         );
+        if D::DRIVE_HABITS.velocity_in_rpm {
+            dimension = in_steps(dictionary, dimension);
+        }
+        if D::DRIVE_HABITS.velocity_has_polarity && dictionary.polarity() & VELOCITY_POLARITY != 0 {
+            dimension.0 = dimension.0.wrapping_neg();
+        }
         let ramp = |speed, time| ramp(speed, time, dimension);
         Self {
             min_amount: dictionary.vl_velocity_min_amount(),
@@ -127,6 +133,24 @@ impl VelocityConfiguration {
     /// A unit of the mode is a velocity backwards.
     const fn turns_round(&self) -> bool {
         (self.dimension.0 < 0) != (self.dimension.1 < 0)
+    }
+}
+
+/// A dimension that makes revolutions per minute of a unit, as one that makes steps/s of it.
+fn in_steps<D: Objects>(dictionary: &D, (numerator, denominator): (i32, i32)) -> (i32, i32) {
+    let increments = dictionary.position_encoder_increments();
+    let revolutions = dictionary.position_encoder_revolutions();
+    let mut numerator = i128::from(numerator).saturating_mul(increments.into());
+    let mut denominator = i128::from(denominator).saturating_mul(60 * i128::from(revolutions));
+    loop {
+        if let (Ok(numerator), Ok(denominator)) =
+            (i32::try_from(numerator), i32::try_from(denominator))
+        {
+            return (numerator, denominator);
+        }
+        // Within 96 halvings either is small enough.
+        numerator /= 2;
+        denominator /= 2;
     }
 }
 

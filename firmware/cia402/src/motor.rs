@@ -214,6 +214,21 @@ impl<A: Actuator> Motor<A> {
         Ok(())
     }
 
+    /// Moves to a position, with a start speed. On an error nothing changes.
+    pub(crate) fn move_from_start_speed(
+        &mut self,
+        target: i64,
+        start_speed: Speed,
+        limits: Limits,
+    ) -> Result<(), Refused> {
+        self.is_free(target.saturating_sub(self.actuator.committed_position()))?;
+        let (limits, ramps) = self.at_limit(limits);
+        self.actuator
+            .move_from_start_speed(target, start_speed, limits, ramps)?;
+        self.begun(limits);
+        Ok(())
+    }
+
     /// Moves through a position with an end velocity and keeps that. On an error nothing changes.
     pub(crate) fn move_through(
         &mut self,

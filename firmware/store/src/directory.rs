@@ -135,7 +135,7 @@ impl Settings {
             Self::Lost => return Err(Error::Damaged),
             Self::Stored(node_id, bit_timing) => (
                 NodeId::new(node_id),
-                BitTiming::from_table_index(bit_timing),
+                BitTiming::from_stored_index(bit_timing),
             ),
         };
         match (node_id, bit_timing) {

@@ -60,6 +60,7 @@ pub(super) fn check(
         unset: numbers(&file.unset, source, &[], findings),
         habits: habits(file, source, findings),
         words: words::words(&file.word, source, model, findings),
+        masks: words::masks(&file.mask, source, model, findings),
         errors: words::errors(&file.error, source, findings),
         rows: bindings,
         foreign,
@@ -477,7 +478,9 @@ fn unbound(file: &File, source: &Source, model: &Model, findings: &mut Findings)
         .map(|(index, _)| index..=index)
         .collect();
     let words = file.word.iter().map(|row| row.get_ref().object.get_ref());
-    known.extend(words.filter_map(|object| entry(object).map(|(index, _)| index..=index)));
+    let masks = file.mask.iter().map(|row| row.get_ref().object.get_ref());
+    let made = words.chain(masks).filter_map(|object| entry(object));
+    known.extend(made.map(|(index, _)| index..=index));
     let bound = known.clone();
     known.extend(ranges(&file.storage.objects, source, findings));
     let is_in = |ranges: &[RangeInclusive<u16>], object: &Object| {

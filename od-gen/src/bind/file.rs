@@ -36,9 +36,21 @@ pub(super) struct File {
     /// The tables `[[word]]`.
     #[serde(default)]
     pub(super) word: Vec<Spanned<WordRow>>,
+    /// The tables `[[mask]]`.
+    #[serde(default)]
+    pub(super) mask: Vec<Spanned<MaskRow>>,
     /// The tables `[[error]]`.
     #[serde(default)]
     pub(super) error: Vec<Spanned<ErrorRow>>,
+}
+
+/// One table `[[mask]]`: an object whose bits are the inputs or outputs that have a function.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct MaskRow {
+    pub(super) object: Spanned<String>,
+    pub(super) inputs: Option<u8>,
+    pub(super) outputs: Option<u8>,
 }
 
 /// One table `[[word]]`: an object, and what its bits tell.

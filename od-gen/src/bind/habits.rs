@@ -48,7 +48,7 @@ const fn known(owner: Owner, name: &'static str, kind: Kind) -> Known {
 }
 
 /// Every habit.
-pub static KNOWN: [Known; 22] = [
+pub static KNOWN: [Known; 29] = [
     known(Owner::Node, "node_id", Kind::NodeId),
     known(Owner::Node, "bit_rate", Kind::BitRate),
     known(Owner::Node, "node_id_at_once", Kind::Flag),
@@ -58,6 +58,9 @@ pub static KNOWN: [Known; 22] = [
     known(Owner::Node, "acyclic_is_each_sync", Kind::Flag),
     known(Owner::Node, "short_sizes", Kind::Flag),
     known(Owner::Node, "mapped_length_of_0", Kind::Flag),
+    known(Owner::Node, "lss_100_kbit", Kind::Flag),
+    known(Owner::Node, "receives_at_nth_sync", Kind::Flag),
+    known(Owner::Node, "tells_its_state", Kind::Flag),
     known(Owner::Node, "no_remote_requests", Kind::Flag),
     known(Owner::Node, "wrong_signature", Kind::AbortCode),
     known(Owner::Node, "wrong_history_count", Kind::AbortCode),
@@ -70,6 +73,10 @@ pub static KNOWN: [Known; 22] = [
     known(Owner::Drive, "velocity_without_ramp_bits", Kind::Flag),
     known(Owner::Drive, "following_error_is_told", Kind::Flag),
     known(Owner::Drive, "supply_gates_ready", Kind::Flag),
+    known(Owner::Drive, "start_speed", Kind::Flag),
+    known(Owner::Drive, "lock_is_bit_8", Kind::Flag),
+    known(Owner::Drive, "velocity_in_rpm", Kind::Flag),
+    known(Owner::Drive, "velocity_has_polarity", Kind::Flag),
     known(Owner::Features, "block_transfer", Kind::Flag),
 ];
 

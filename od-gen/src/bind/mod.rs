@@ -37,6 +37,10 @@
 //! object = "1002h"
 //! facts = { 0 = "statusword", 16 = "input 3", 17 = "power", 18 = "error 8611h" }
 //!
+//! [[mask]]                        # an object whose bits are the inputs (or outputs) that have a function of the drive
+//! object = "2002h:1"
+//! inputs = 3                      # home switch
+//!
 //! [[error]]                       # how masters are told of an error that the drive has another code for
 //! cause = 0x3210
 //! code = 0x3110
@@ -63,7 +67,7 @@ use cia402_parameters::{Description, PROFILE};
 pub(crate) use file::comments;
 pub use habits::{Habit, KNOWN as HABITS, Known, Owner};
 pub(crate) use place::{entry, indices};
-pub use words::{Fact, Told, Word};
+pub use words::{Fact, Mask, Told, Word};
 
 use crate::diagnostic::{Allowances, Colour, Diagnostic, Findings, Severity, render};
 use crate::files;
@@ -103,6 +107,8 @@ pub struct Bindings {
     pub habits: Vec<Habit>,
     /// Objects whose bits are facts of the drive.
     pub words: Vec<Word>,
+    /// Objects whose bits are inputs or outputs.
+    pub masks: Vec<Mask>,
     /// How the maker tells of errors.
     pub errors: Vec<Told>,
 }
@@ -140,6 +146,7 @@ static NONE: Bindings = Bindings {
     unset: Vec::new(),
     habits: Vec::new(),
     words: Vec::new(),
+    masks: Vec::new(),
     errors: Vec::new(),
 };
 

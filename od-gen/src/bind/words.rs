@@ -1,10 +1,10 @@
-//! The tables `[[word]]` and `[[error]]`: what a maker's words are made of, and how its devices tell of errors.
+//! The tables `[[word]]`, `[[mask]]` and `[[error]]`: what a maker's words are made of, and how its devices tell of errors.
 
 use std::collections::BTreeMap;
 
 use toml::Spanned;
 
-use super::file::{ErrorRow, WordRow, place};
+use super::file::{ErrorRow, MaskRow, WordRow, place};
 use super::place::{entry, name};
 use crate::diagnostic::Findings;
 use crate::model::Model;
@@ -134,6 +134,55 @@ pub(super) fn words(
             index,
             sub,
             facts: own,
+        });
+    }
+    found
+}
+
+/// An object whose bits are inputs or outputs: those that have a function.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Mask {
+    /// Index.
+    pub index: u16,
+    /// Sub-index.
+    pub sub: u8,
+    /// It is one of outputs.
+    pub is_of_outputs: bool,
+    /// The function, as 2031h or 2060h of the generic drive have it.
+    pub function: u8,
+}
+
+/// The tables `[[mask]]`.
+pub(super) fn masks(
+    rows: &[Spanned<MaskRow>],
+    source: &Source,
+    model: &Model,
+    findings: &mut Findings,
+) -> Vec<Mask> {
+    let mut found: Vec<Mask> = Vec::new();
+    for row in rows {
+        let MaskRow {
+            object,
+            inputs,
+            outputs,
+        } = row.get_ref();
+        let known = entry(object.get_ref()).filter(|(index, sub)| {
+            let entry = model.entry(*index, *sub);
+            entry.is_some_and(|entry| entry.data_type.range().is_some())
+        });
+        let (Some((index, sub)), Some(function)) = (known, inputs.xor(*outputs)) else {
+            let message = format!(
+                "`{}` is a number of the data sheet, and its bits are inputs or outputs",
+                object.get_ref()
+            );
+            findings.report(&binding::OBJECT, place(source, object.span()), message);
+            continue;
+        };
+        found.push(Mask {
+            index,
+            sub,
+            is_of_outputs: outputs.is_some(),
+            function,
         });
     }
     found

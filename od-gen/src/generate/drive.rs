@@ -11,7 +11,7 @@ use super::documentation::title;
 use super::layout::{Layout, Place, Row};
 use super::sites::{Site, sites};
 use super::{ABORT_CODE, bindings, habits};
-use crate::bind::{Bindings, Fact, Word};
+use crate::bind::{Bindings, Fact, Mask, Word};
 
 /// Converts between the numbers of the dictionary, which have different types.
 const NUMBER: &str = "::cia402::binding::Number";
@@ -28,6 +28,10 @@ pub(super) fn write(layout: &Layout<'_>, bound: &Bindings) -> String {
     let habits = habits::of_drive(&bound.habits);
     methods.extend((!habits.is_empty()).then_some(habits));
     for (parameter, sites) in &all {
+        if let Some(method) = masked(layout, bound, parameter) {
+            methods.push(method);
+            continue;
+        }
         if let Some(number) = bound.constant(parameter) {
             methods.push(constant(parameter, number));
             continue;
@@ -44,8 +48,8 @@ pub(super) fn write(layout: &Layout<'_>, bound: &Bindings) -> String {
         sites.iter().any(|site| !site.is_in_profile(parameter))
     };
     let foreign = foreign(layout, bound);
-    if all.iter().any(elsewhere) || !foreign.is_empty() {
-        methods.push(parameter(&all, &foreign));
+    if all.iter().any(elsewhere) || !foreign.is_empty() || !bound.masks.is_empty() {
+        methods.push(parameter(&all, &foreign, &bound.masks));
     }
     methods.extend(converted(&all, bound));
     methods.extend(words(layout, &bound.words));
@@ -107,6 +111,35 @@ fn features(
         units: {units},
     }};\n"
     )
+}
+
+/// The function of an input or an output, if masks say it.
+fn masked(layout: &Layout<'_>, bound: &Bindings, parameter: &Description) -> Option<String> {
+    let (is_of_outputs, number) = match parameter.home {
+        (0x2031, number) => (false, number),
+        (0x2060, number) => (true, number),
+        _ => return None,
+    };
+    let bit = 1_u32.checked_shl(u32::from(number.checked_sub(1)?))?;
+    let mut body = String::new();
+    for mask in &bound.masks {
+        let row = layout.row(mask.index, mask.sub);
+        if let Some(row) = row.filter(|_| mask.is_of_outputs == is_of_outputs) {
+            body += &format!(
+                "        if {NUMBER}::number(Self::{}(self)) & {bit} != 0 {{\n            \
+                 return {};\n        }}\n",
+                row.name, mask.function
+            );
+        }
+    }
+    if body.is_empty() {
+        return None;
+    }
+    let otherwise = bound.constant(parameter).unwrap_or(0);
+    let method = parameter.name;
+    Some(format!(
+        "    fn {method}(&self) -> u8 {{\n{body}        {otherwise}\n    }}\n"
+    ))
 }
 
 /// A parameter that no object stands for.
@@ -205,7 +238,11 @@ fn put(site: &Site<'_>, number: &str) -> String {
 }
 
 /// Objects that are written for each parameter.
-fn parameter(all: &[(&Description, Vec<Site<'_>>)], foreign: &[(u16, u8)]) -> String {
+fn parameter(
+    all: &[(&Description, Vec<Site<'_>>)],
+    foreign: &[(u16, u8)],
+    masks: &[Mask],
+) -> String {
     let mut out = String::from(
         "    fn parameter(entry: &::canopen::od::Entry) -> Option<::cia402::Parameter> {\n        \
          use ::cia402::Parameter;\n        match (entry.index, entry.sub) {\n",
@@ -218,6 +255,16 @@ fn parameter(all: &[(&Description, Vec<Site<'_>>)], foreign: &[(u16, u8)]) -> St
                 parameter.parameter
             );
         }
+    }
+    for mask in masks {
+        // What has no rule of its own and is set up with the functions.
+        let stands_for = if mask.is_of_outputs {
+            Parameter::OutputsInverted
+        } else {
+            Parameter::InputsInverted
+        };
+        let (index, sub) = (mask.index, mask.sub);
+        out += &format!("            (0x{index:04X}, {sub}) => Some(Parameter::{stands_for:?}),\n");
     }
     for (index, sub) in foreign {
         out += &format!("            (0x{index:04X}, {sub}) => None,\n");

@@ -6,6 +6,7 @@
 use super::Node;
 use super::objects::{Objects, Streams};
 use super::services::Services;
+use crate::agenda::Object;
 use crate::application::Application;
 use crate::cia301::nmt::{Command, NmtState, Reset};
 use crate::cia301::pdo::Received;
@@ -117,7 +118,12 @@ impl<D: Dictionary> Node<D> {
     #[inline(never)]
     pub(super) fn receive_lss(&mut self, request: &[u8; 8], now: Instant) {
         let identity = Identity::of(&self.dictionary);
-        if let Some(answer) = self.lss.receive(request, &identity, now) {
+        let answer = if D::HABITS.lss_100_kbit && matches!(request, [0x13, 0, 5, ..]) {
+            self.lss.configure_100_kbit(now)
+        } else {
+            self.lss.receive(request, &identity, now)
+        };
+        if let Some(answer) = answer {
             self.push_lss(answer);
         }
         let is_left = matches!(request, [0x04, 0x00, ..]);
@@ -134,7 +140,13 @@ impl<D: Dictionary> Node<D> {
     fn receive_nmt(&mut self, payload: &[u8], now: Instant) {
         match Command::parse(payload, self.node_id) {
             Some(Command::Enter(state)) => {
+                let is_told = D::HABITS.tells_its_state
+                    && state != self.state
+                    && !self.services.heartbeat.is_on();
                 self.enter(state, now);
+                if is_told {
+                    self.services.agenda.set(Object::HEARTBEAT, true);
+                }
                 if state == NmtState::Stopped {
                     self.services.emergency.hold_back();
                     self.services.emergencies_changed();

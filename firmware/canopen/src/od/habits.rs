@@ -53,6 +53,12 @@ pub struct Habits {
     pub short_sizes: bool,
     /// A mapping entry whose length is 0 has that of its object.
     pub mapped_length_of_0: bool,
+    /// LSS takes 100 kbit/s, index 5 of its table 0, which CiA 305 has reserved since.
+    pub lss_100_kbit: bool,
+    /// A frame of a receive PDO of type N, 2 to 240, counts at the Nth SYNC from then on; else at the next one, as CiA 301 has it.
+    pub receives_at_nth_sync: bool,
+    /// Without a heartbeat, an NMT command that changes the state is answered with the new one, as a heartbeat has it.
+    pub tells_its_state: bool,
     /// The message of an error is followed by one with code 0 and the error register: what is wrong in all.
     pub tells_of_the_rest: bool,
 }
@@ -73,6 +79,9 @@ impl Habits {
         acyclic_is_each_sync: false,
         short_sizes: false,
         mapped_length_of_0: false,
+        lss_100_kbit: false,
+        receives_at_nth_sync: false,
+        tells_its_state: false,
         tells_of_the_rest: false,
     };
 

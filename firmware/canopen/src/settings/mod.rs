@@ -136,6 +136,15 @@ impl BitTiming {
         }
     }
 
+    /// What an index of the table stands for where it was stored: 5 is 100 kbit/s then, from the time when it was that or from a device
+    /// that still takes it.
+    pub const fn from_stored_index(index: u8) -> Option<Self> {
+        match index {
+            5 => Some(Self::Fixed(BitRate::Kbit100)),
+            _ => Self::from_table_index(index),
+        }
+    }
+
     /// The index in the LSS bit timing table 0.
     pub const fn table_index(self) -> u8 {
         match self {

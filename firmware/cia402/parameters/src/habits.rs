@@ -18,6 +18,14 @@ pub struct Habits {
     pub following_error_is_told: bool,
     /// Without a supply the drive does not leave switch on disabled.
     pub supply_gates_ready: bool,
+    /// 6082h is the speed with which a move of profile position begins and ends, at once; else the velocity at its target.
+    pub start_speed: bool,
+    /// Bit 8 of the statusword tells that the control tick is locked to SYNC.
+    pub lock_is_bit_8: bool,
+    /// 604Ch makes revolutions of the motor per minute of the units of velocity mode; else steps/s.
+    pub velocity_in_rpm: bool,
+    /// Bit 6 of 607Eh turns velocity mode around too.
+    pub velocity_has_polarity: bool,
 }
 
 impl Habits {
@@ -30,5 +38,9 @@ impl Habits {
         velocity_without_ramp_bits: false,
         following_error_is_told: false,
         supply_gates_ready: false,
+        start_speed: false,
+        lock_is_bit_8: false,
+        velocity_in_rpm: false,
+        velocity_has_polarity: false,
     };
 }

@@ -136,6 +136,19 @@ pub trait Actuator: 'static {
     /// Moves to a position. On an error nothing changes.
     fn move_to(&mut self, target: i64, limits: Limits, ramps: Ramps) -> Result<(), Refused>;
 
+    /// Moves to a position, and begins and ends with a speed which the motor takes and loses at once. On an error nothing changes. An actuator
+    /// that cannot do so moves as [`Actuator::move_to`] does.
+    fn move_from_start_speed(
+        &mut self,
+        target: i64,
+        start_speed: Speed,
+        limits: Limits,
+        ramps: Ramps,
+    ) -> Result<(), Refused> {
+        let _ = start_speed;
+        self.move_to(target, limits, ramps)
+    }
+
     /// Moves through a position with an end velocity and keeps that. On an error nothing changes.
     fn move_through(
         &mut self,

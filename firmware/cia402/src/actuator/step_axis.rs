@@ -143,6 +143,33 @@ impl<L: EmitterLock> StepAxis<L> {
             .lock(|emitter| emitter.axis.install(&draft, &plan)))
     }
 
+    /// [`Self::plan`] of a move with a start speed.
+    #[inline(never)]
+    fn plan_from_start_speed(
+        &mut self,
+        (target, speed): (i64, Speed),
+        limits: Limits,
+        ramps: Ramps,
+    ) -> Result<bool, PlanError> {
+        let committed = self.committed;
+        let mut draft = self.emitter.look(|emitter| emitter.axis.draft(ramps));
+        let shift = |here: i64| here.wrapping_sub(near(here, committed));
+        let seen = target.saturating_add(shift(draft.committed_position()));
+        let mut plan = Plan::at_rest(0, 0);
+        draft.plan_from_start_speed(&mut plan, (seen, speed), limits)?;
+        self.emitter.lock(|emitter| {
+            if emitter.axis.install(&draft, &plan) {
+                return Ok(true);
+            }
+            let seen = target.saturating_add(shift(emitter.axis.committed_position()));
+            let goal = (seen, speed);
+            emitter
+                .axis
+                .order_from_start_speed(goal, limits, ramps)
+                .map(|()| true)
+        })
+    }
+
     /// Makes a plan with the emitter held, so that no refill comes.
     #[cold]
     #[inline(never)]
@@ -270,6 +297,19 @@ impl<L: EmitterLock> Actuator for StepAxis<L> {
 
     fn move_to(&mut self, target: i64, limits: Limits, ramps: Ramps) -> Result<(), Refused> {
         self.plan(Goal::Rest(target), limits, ramps)
+    }
+
+    fn move_from_start_speed(
+        &mut self,
+        target: i64,
+        start_speed: Speed,
+        limits: Limits,
+        ramps: Ramps,
+    ) -> Result<(), Refused> {
+        self.is_ordered = true;
+        let result = self.plan_from_start_speed((target, start_speed), limits, ramps);
+        self.is_broken |= result == Err(PlanError::Internal);
+        result.map(|_| ()).map_err(|_| Refused)
     }
 
     fn move_through(

@@ -134,6 +134,9 @@ impl CyclicConfiguration {
     }
 }
 
+/// [`SyncStatus::state`] of a loop that is locked.
+pub const LOCKED: u8 = 2;
+
 /// What a master may know of the sync events (2050h), and of the buffer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SyncStatus {

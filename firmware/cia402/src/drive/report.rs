@@ -7,6 +7,7 @@ use motion::low;
 
 use super::{Drive, Inputs};
 use crate::actuator::{Actuator, TORQUE_MODES, Torque};
+use crate::cyclic::LOCKED;
 use crate::exchange::Actuals;
 use crate::mode::Mode;
 use crate::objects::Objects;
@@ -44,6 +45,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             Mode::Velocity => self.configuration.velocity.shown(velocity),
             _ => 0,
         };
+        let sync = self.cyclic.status();
         let is_on = self.power.is_on() || state == State::SwitchedOn;
         let is_fed =
             self.periphery.stage.has_supply && (!D::DRIVE_HABITS.voltage_needs_power || is_on);
@@ -65,6 +67,10 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
                     self.monitor.has_lost() && mode.has_following_error(),
                     statusword::FOLLOWING_ERROR,
                 )
+                | bit(
+                    D::DRIVE_HABITS.lock_is_bit_8 && sync.state == LOCKED,
+                    statusword::LOCKED,
+                )
                 | mode_bits,
             mode_display: mode.code(),
             error_code: self.faults.error_code(),
@@ -84,7 +90,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             digital_inputs: self.switches.word(),
             referenced: self.motor.is_referenced(),
             homing_failure: self.modes.homing_failure(),
-            sync: self.cyclic.status(),
+            sync,
             is_moving: !self.motor.standstill(),
             safe: !self.power.is_on()
                 && self.motor.standstill()

@@ -9,7 +9,8 @@
 //!   that waits. If that leads back, the motor stops in between all the same.
 //! - Bit 6 = 1: 607Ah counts from what 60F2h says: the previous target as it was carried out (0; after enabling, where the motor
 //!   stands), the position demand (1) or the actual position (2). For one that waits they are all the target under way.
-//! - 6082h is the velocity at the target. The motor keeps it beyond, until the next set-point or a software limit.
+//! - 6082h is the velocity at the target. The motor keeps it beyond, until the next set-point or a software limit. With the habit of a start speed
+//!   it is the speed with which a move begins and ends, at once.
 //! - Edges count while the mode is at work only. Bit 4 that rises with the controlword that enables, or with the change
 //!   of the mode, hands over nothing.
 //! - Halt (bit 8) stops on the ramp of 605Dh and keeps the target; releasing it goes on. Set-points are taken but not started.
@@ -312,6 +313,7 @@ impl ProfilePosition {
         self.beyond.forget();
         let quick_stop = context.deceleration(StopRamp::QuickStop);
         let units = context.units();
+        let has_start_speed = context.habits().start_speed;
         let motor = &mut *context.motor;
         let asked = Ramp {
             deceleration: set_point.limits.deceleration,
@@ -345,7 +347,10 @@ impl ProfilePosition {
         let result = if is_recut && set_point.limited.target && is_beyond {
             Err(Refused)
         } else if end_velocity == Speed::ZERO {
-            motor.move_to(target, limits)
+            match has_start_speed.then(|| set_point.start_speed()) {
+                Some(speed) => motor.move_from_start_speed(target, speed, limits),
+                None => motor.move_to(target, limits),
+            }
         } else {
             motor.move_through(target, end_velocity, limits)
         };

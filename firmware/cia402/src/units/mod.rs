@@ -34,7 +34,7 @@ pub use si::SiUnit;
 /// 607Eh: positions are turned around.
 const POSITION_POLARITY: u8 = 1 << 7;
 /// 607Eh: velocities are turned around.
-const VELOCITY_POLARITY: u8 = 1 << 6;
+pub(crate) const VELOCITY_POLARITY: u8 = 1 << 6;
 
 /// A window that is not looked at: FFFFFFFFh.
 const OFF: u32 = u32::MAX;

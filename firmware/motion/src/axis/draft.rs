@@ -72,6 +72,44 @@ impl Draft {
         Ok(())
     }
 
+    /// Plans a move that begins and ends with a speed which the motor takes and loses at once: a start speed. From motion away from the target, or where
+    /// the way is too short to slow down to it, it is a move without one; so is one along a mean.
+    ///
+    /// # Errors
+    /// [`PlanError`]; the draft is as it was.
+    pub fn plan_from_start_speed(
+        &mut self,
+        plan: &mut Plan,
+        (target, speed): (i64, Speed),
+        limits: Limits,
+    ) -> Result<(), PlanError> {
+        let limits = Limits {
+            velocity: limits.velocity.min(self.max_velocity),
+            ..limits
+        };
+        let speed = speed.min(limits.velocity);
+        let begin = self.seen_from(Goal::Pass(target, speed), self.start.from);
+        let Goal::Pass(seen, _) = begin else {
+            return self.plan(plan, Goal::Rest(target), limits);
+        };
+        if self.is_averaged() || speed == Speed::ZERO {
+            return self.plan(plan, Goal::Rest(target), limits);
+        }
+        self.next = if self.start.is_for(begin, limits, self.ramps) {
+            Next::Same
+        } else {
+            let mut start = self.start.clone();
+            start.jump(self.clock.speed(speed), seen);
+            plan.make(self.clock, &start, begin, limits, self.ramps)?;
+            if !plan.stop_at(seen) {
+                return self.plan(plan, Goal::Rest(target), limits);
+            }
+            Next::Plan
+        };
+        self.acceleration = limits.acceleration;
+        Ok(())
+    }
+
     /// Where the axis would come to rest, in whole steps, if it were told now to stop at `deceleration` steps/s² with these ramps. A sin² ramp under
     /// way is finished if a stop is no harder than that; with `leaves` it is left, as it is for a target elsewhere. The draft is used up.
     ///
@@ -267,6 +305,26 @@ impl Axis {
     pub fn order(&mut self, goal: Goal, limits: Limits, ramps: Ramps) -> Result<(), PlanError> {
         let mut draft = self.draft(ramps);
         draft.plan(&mut self.plan, goal, limits)?;
+        self.go_on_with(&draft);
+        Ok(())
+    }
+
+    /// A move with a start speed ([`Draft::plan_from_start_speed`]) from where the axis is at the commit horizon.
+    ///
+    /// # Errors
+    /// [`PlanError`]; the motion goes on as it was.
+    pub fn order_from_start_speed(
+        &mut self,
+        goal: (i64, Speed),
+        limits: Limits,
+        ramps: Ramps,
+    ) -> Result<(), PlanError> {
+        let mut draft = self.draft(ramps);
+        let mut plan = Plan::at_rest(0, 0);
+        draft.plan_from_start_speed(&mut plan, goal, limits)?;
+        if !matches!(draft.next, Next::Same) {
+            self.plan = plan;
+        }
         self.go_on_with(&draft);
         Ok(())
     }

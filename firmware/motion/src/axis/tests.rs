@@ -11,6 +11,7 @@ mod random;
 mod replay;
 mod slow;
 mod span;
+mod start_speed;
 mod steady;
 mod vectors;
 

@@ -58,6 +58,21 @@ impl Start {
         self
     }
 
+    /// Takes a speed at once, Q96 steps per tick, towards the target: from rest, or from less on the way there.
+    pub(crate) fn jump(&mut self, speed: Fine, target_steps: i64) {
+        let is_steady = self.acceleration == 0 && self.ramp.is_none();
+        let Some((gap, is_back)) = distance_to(target_steps, self.from).filter(|_| is_steady)
+        else {
+            return;
+        };
+        let now = self.from.velocity;
+        let is_along = now == 0 || (now < 0) == is_back;
+        if gap != 0 && is_along && now.unsigned_abs() < speed {
+            let speed = speed.cast_signed();
+            self.from.velocity = if is_back { -speed } else { speed };
+        }
+    }
+
     /// No ramp that is under way is finished.
     pub(crate) const fn leave_ramp(&mut self) {
         self.leaves_ramp = true;

@@ -403,6 +403,26 @@ impl Plan {
         self.entered = found.map(|(piece, until)| piece.work_out((t, until), &self.frame));
     }
 
+    /// Stands on the target from where it passes it on, and keeps no velocity there. Not true, and nothing changes, if it does not pass the target as
+    /// it was asked to: the velocity comes about behind it.
+    pub(crate) fn stop_at(&mut self, target_steps: i64) -> bool {
+        let target = Exact::at_rest(target_steps).position;
+        if self.end != Ticks::MAX {
+            return self.rest == target;
+        }
+        let passed = self
+            .pieces
+            .last()
+            .filter(|piece| piece.is_line() && self.frame.place(piece.position) == target);
+        let Some(passed) = passed.map(|piece| piece.start) else {
+            return false;
+        };
+        self.end = passed.min(Ticks::MAX - 1);
+        self.rest = target;
+        self.pieces.pop();
+        true
+    }
+
     /// Where the motion comes to rest; `None` if it never does.
     pub(crate) fn destination(&self) -> Option<Exact> {
         let rest = Exact {

@@ -32,7 +32,7 @@ const MOST_START: u8 = 240;
 pub(super) struct TransmissionType(pub(super) u8);
 
 impl TransmissionType {
-    /// 0: synchronous, after an event; in a receive PDO at the next SYNC, as for 1 to 240.
+    /// 0: synchronous, after an event; in a receive PDO at the next SYNC, as for 1 to 240 unless the device has another habit.
     pub(super) const ACYCLIC: Self = Self(0);
     /// 252: on request, with the values of the last SYNC.
     pub(super) const SAMPLED_REQUEST: Self = Self(252);
@@ -135,6 +135,9 @@ impl Parameters {
         let is_sent = self.direction == Direction::Transmit;
         if D::HABITS.acyclic_is_each_sync && is_sent && number == 0 {
             return TransmissionType::new(1, self.direction);
+        }
+        if D::HABITS.receives_at_nth_sync && !is_sent && number <= 240 {
+            return Some(TransmissionType(number));
         }
         TransmissionType::new(number, self.direction)
     }

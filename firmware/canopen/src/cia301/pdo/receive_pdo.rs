@@ -74,8 +74,8 @@ pub struct ReceivePdo<M> {
     plain_length: u8,
     /// Whether an object of it is in an event-driven transmit PDO.
     is_watched: bool,
-    /// Whether `waiting` is a frame for the next SYNC.
-    is_waiting: bool,
+    /// At which SYNC from now on `waiting` counts; 0 if nothing waits.
+    syncs_left: u8,
     errors: Errors,
     /// As the emergency producer knows them.
     reported: Errors,
@@ -90,7 +90,7 @@ impl<M: Slots<Mapped>> Unused for ReceivePdo<M> {
         record: Record::NONE,
         plain_length: NEVER_PLAIN,
         is_watched: false,
-        is_waiting: false,
+        syncs_left: 0,
         errors: Errors::NONE,
         reported: Errors::NONE,
         waiting: [0; 8],
@@ -160,7 +160,7 @@ impl<M: Slots<Mapped>> ReceivePdo<M> {
 
     /// Operational is left: what waits is dropped, and nothing is expected.
     pub(super) fn stop(&mut self) {
-        self.is_waiting = false;
+        self.syncs_left = 0;
         self.expires_at = NOT_RUNNING;
     }
 
@@ -231,7 +231,11 @@ impl<M: Slots<Mapped>> ReceivePdo<M> {
         } else {
             if !circumstances.is_window_over {
                 self.waiting = *frame.bytes();
-                self.is_waiting = true;
+                if !D::HABITS.receives_at_nth_sync {
+                    self.syncs_left = 1;
+                } else if self.syncs_left == 0 {
+                    self.syncs_left = self.record.communication.transmission_type.every().max(1);
+                }
             }
             Received::KEPT
         };
@@ -287,10 +291,13 @@ impl<M: Slots<Mapped>> ReceivePdo<M> {
         dictionary: &mut D,
         application: &mut A,
     ) -> Received {
-        if !self.is_waiting {
+        if self.syncs_left == 0 {
             return Received::NOTHING;
         }
-        self.is_waiting = false;
+        self.syncs_left = self.syncs_left.wrapping_sub(1);
+        if D::HABITS.receives_at_nth_sync && self.syncs_left != 0 {
+            return Received::NOTHING;
+        }
         self.apply(&self.waiting, dictionary, application)
     }
 

@@ -2,7 +2,7 @@
 
 use super::{LONGEST_SILENCE, LssEvent, Slave, Switch, after, bit, message};
 use crate::cia305::identity::Identity;
-use crate::settings::{BitTiming, NodeId};
+use crate::settings::{BitRate, BitTiming, NodeId};
 use crate::time::{Duration, Instant, NEVER};
 
 /// The answer to 11h and 13h for what the build of this firmware has fixed: an error of the manufacturer (FFh), whose number (01h) follows.
@@ -62,6 +62,16 @@ impl Slave {
             0x5E => Some(message(specifier, self.active.node_id.get().into())),
             _ => None,
         }
+    }
+
+    /// Service 13h with index 5 of table 0, of a device that takes 100 kbit/s.
+    pub fn configure_100_kbit(&mut self, now: Instant) -> Option<[u8; 8]> {
+        if self.is_silent(now) || !self.is_being_configured() {
+            return None;
+        }
+        self.expected = 0;
+        let result = self.configure_bit_timing(BitTiming::Fixed(BitRate::Kbit100));
+        Some(message(0x13, error_code(result)))
     }
 
     /// A new node-ID, for the next reset communication and to be stored; refused with the error of service 11h.

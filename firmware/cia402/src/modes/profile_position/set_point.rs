@@ -85,8 +85,17 @@ impl SetPoint {
     /// Cuts velocities and ramps to 607Fh, 6080h, 60C5h, 60C6h and what the pulses can reach, and 6082h to 6081h.
     pub(super) fn pace(&mut self, context: &Context<'_, impl Parts>) {
         (self.limits, self.limited.profile) = context.within(self.asked);
+        if context.habits().start_speed {
+            self.end_velocity = Speed::ZERO;
+            return;
+        }
         self.end_velocity = self.asked_end.min(self.limits.velocity);
         self.limited.profile |= self.end_velocity != self.asked_end;
+    }
+
+    /// 6082h of a drive to which it is a start speed.
+    pub(super) fn start_speed(&self) -> Speed {
+        self.asked_end.min(self.limits.velocity)
     }
 
     /// Cuts the target to the software limits, to 32 bits around `here`, in units of the user, and to these increments.
