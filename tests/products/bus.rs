@@ -105,6 +105,82 @@ fn the_lmd_runs_at_100_kbit() {
     assert_eq!(rate(&bench), Some(100));
 }
 
+/// A number in an object, with as many bytes as this.
+fn set(bench: &mut Bench, (index, sub): (u16, u8), value: &[u8]) -> u32 {
+    let [low, high] = index.to_le_bytes();
+    let mut request = [
+        0x23 | (4 - value.len() as u8) << 2,
+        low,
+        high,
+        sub,
+        0,
+        0,
+        0,
+        0,
+    ];
+    request[4..4 + value.len()].copy_from_slice(value);
+    match bench.sdo(NODE, request) {
+        [0x60, ..] => 0,
+        [_, _, _, _, a, b, c, d] => u32::from_le_bytes([a, b, c, d]),
+    }
+}
+
+/// Node-ID and bit rate are objects: they show what is stored, a write is stored at once, and restored defaults leave them alone.
+#[test]
+fn node_id_and_bit_rate_are_objects_of_their_makers() {
+    for (name, node, (at_1000, rate, kbit), refused) in [
+        (
+            "nanotec",
+            Some(((0x2009_u16, 0_u8), 1_usize)),
+            (135_u32, 134_u32, 500),
+            0,
+        ),
+        ("lmd", Some(((0x2510, 1), 4)), (0, 5, 100), 9),
+        ("s200", None, (1_000, 250, 250), 300),
+    ] {
+        let (object, size) = match name {
+            "nanotec" => ((0x2005, 0), 1_usize),
+            "lmd" => ((0x2510, 2), 4),
+            _ => ((0x3A49, 1), 4),
+        };
+        let mut bench = booted(name);
+        let bytes = |number: u32| number.to_le_bytes()[..size].to_vec();
+        assert_eq!(bench.read(NODE, object.0, object.1), at_1000, "{name}");
+        assert_ne!(set(&mut bench, object, &bytes(refused)), 0, "{name}");
+        assert_eq!(set(&mut bench, object, &bytes(rate)), 0, "{name}");
+        if let Some(((index, sub), size)) = node {
+            assert_eq!(bench.read(NODE, index, sub), u32::from(NODE), "{name}");
+            let value = &33_u32.to_le_bytes()[..size];
+            assert_eq!(set(&mut bench, (index, sub), value), 0, "{name}");
+        }
+        bench.write(NODE, 0x1011, 1, b"load");
+        bench.drive.power_cycle();
+        bench.run(100);
+        let own = if node.is_some() { 33 } else { NODE };
+        assert_eq!(bench.drive.node_id().get(), own, "{name}");
+        let in_force = bench.drive.bit_rate().map(BitRate::kbit_per_second);
+        assert_eq!(in_force, Some(kbit), "{name}");
+        assert_eq!(bench.read(own, object.0, object.1), rate, "{name}");
+    }
+}
+
+/// The serial number of an LMD, at which LSS selects it, is in 5002h too.
+#[test]
+fn the_lmd_has_its_serial_number_twice() {
+    let mut bench = Bench::new("lmd", Setup::with_node_id(0x0123_4567, NODE));
+    for index in [(0x1018, 4), (0x5002, 1)] {
+        assert_eq!(bench.read(NODE, index.0, index.1), 0x0123_4567);
+    }
+    for (command, sub) in (0x40..=0x43).zip(1..=4) {
+        let [a, b, c, d] = bench.read(NODE, 0x1018, sub).to_le_bytes();
+        bench.send(&Frame::full(0x7E5, [command, a, b, c, d, 0, 0, 0]));
+    }
+    assert_eq!(
+        bench.next(0x7E4, 50).map(|frame| frame.payload()[0]),
+        Some(0x44)
+    );
+}
+
 /// Identifiers of PDOs can be others, and stay so once they are stored.
 fn keeps_its_identifiers(name: &str) {
     let mut bench = booted(name);

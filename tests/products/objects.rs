@@ -171,7 +171,7 @@ fn download(bench: &mut Bench, (index, sub): (u16, u8), size: u8, value: i64) ->
 /// Objects in which a running drive shows something else than the default of the table, and why.
 const SHOWN: &[(&str, u16, &str)] = &[
     ("lmd", 0x2402, "the manual counts 8, 4 and 3 of three words"),
-    ("nanotec", 0x60C4, "the place in the buffer that is free"),
+    ("nanotec", 0x2009, "the node-ID that is stored"),
     ("s200", 0x6041, "the drive has booted and has its supply"),
     ("tc1", 0x1010, "nothing of groups 5 and 6 is there to store"),
     (
@@ -189,11 +189,6 @@ const REFUSED: &[(&str, u16, &str)] = &[
     ("", 0x1803, "CiA 301 has no sub-index 4"),
     ("", 0x60C2, "a period of 0 is none"),
     (
-        "nanotec",
-        0x60C4,
-        "the place in the buffer is the drive's own",
-    ),
-    (
         "s200",
         0x100E,
         "the identifier of the error control is that of the node",
@@ -204,7 +199,6 @@ const REFUSED: &[(&str, u16, &str)] = &[
         0x6096,
         "the manual tells rw, and shows what the units make of it",
     ),
-    ("s200", 0x60C4, "a buffer of 0 records"),
 ];
 
 /// Objects that cannot be read, and why.

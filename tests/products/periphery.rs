@@ -140,6 +140,12 @@ fn shows_its_inputs(name: &str, count: usize) {
             "{name}: {}",
             input + 1
         );
+        if name == "s200" {
+            // IN1 to IN4.
+            let levels = [0x3561, 0x3564, 0x3567, 0x356A].map(|index| bench.read(NODE, index, 1));
+            let own = levels.iter().position(|level| *level == 1);
+            assert_eq!((levels.iter().sum::<u32>(), own), (1, Some(input)));
+        }
     }
 }
 

@@ -223,6 +223,43 @@ fn homes_at_its_index(name: &str) {
     }
 }
 
+/// Set-points of interpolated position come with SYNC; the motor is where they are, once bit 4 is set, and bit 12 tells so.
+fn follows_a_set_point_of_each_sync(name: &str) {
+    let mut bench = Bench::node(name, NODE);
+    bench.write(NODE, 0x60C2, 1, &[10]);
+    let millis = (-3_i16).to_le_bytes();
+    let size = if name == "s200" { 2 } else { 1 };
+    bench.write(NODE, 0x60C2, 2, &millis[..size]);
+    bench.send(&Frame::data_frame(0, &[1, NODE]));
+    bench.write(NODE, 0x6060, 0, &[7]);
+    bench.enable(NODE);
+    let cycle = |bench: &mut Bench, target: i32| {
+        bench.write(NODE, 0x60C1, 1, &target.to_le_bytes());
+        bench.send(&Frame::data_frame(0x080, &[]));
+        bench.run(10);
+    };
+    for _ in 0..50 {
+        cycle(&mut bench, 0);
+    }
+    assert_eq!(statusword(&mut bench) >> 12 & 1, 0, "{name}: not yet");
+    command(&mut bench, 0x1F);
+    for _ in 0..10 {
+        cycle(&mut bench, 0);
+    }
+    assert_eq!(statusword(&mut bench) >> 12 & 1, 1, "{name}");
+    for target in 1..=100 {
+        cycle(&mut bench, target * 10);
+        if target == 80 {
+            let away = position(&mut bench) - 800;
+            assert!((-40..=10).contains(&away), "{name}: {away}");
+        }
+    }
+    for _ in 0..10 {
+        cycle(&mut bench, 1_000);
+    }
+    assert_eq!(position(&mut bench), 1_000, "{name}");
+}
+
 /// A quick stop ramp brings the motor to rest before an error takes its power.
 #[test]
 fn the_s200_stops_on_its_ramp_before_an_error_takes_the_power() {
@@ -421,6 +458,38 @@ fn the_s200_sets_its_reference_where_it_stands() {
     }
 }
 
+/// V, PV, VCMD and those of the base unit are in 1/min.
+#[test]
+fn the_s200_shows_its_speed_in_turns_a_minute() {
+    let mut bench = enabled("s200", 3);
+    number(&mut bench, 0x6083, 0, 655_360);
+    number(&mut bench, 0x60FF, 0, 65_536);
+    bench.run(1_000);
+    for index in [0x3618, 0x35D7, 0x361E, 0x3B62, 0x3B8B] {
+        let shown = bench.read(NODE, index, 1) as i32;
+        assert!((59..=61).contains(&shown), "{index:04X}h: {shown}");
+    }
+}
+
+/// READY and ACTIVE tell of software and power, and INPOS that the target is reached.
+#[test]
+fn the_s200_tells_of_its_enable_and_its_position() {
+    let mut bench = Bench::node("s200", NODE);
+    bench.run(20);
+    let facts =
+        |bench: &mut Bench| [0x35E4, 0x35DD, 0x3504].map(|index| bench.read(NODE, index, 1));
+    assert_eq!(facts(&mut bench), [1, 0, 0]);
+    bench.write(NODE, 0x6060, 0, &[1]);
+    bench.enable(NODE);
+    bench.run(20);
+    assert_eq!(facts(&mut bench), [1, 1, 1]);
+    begin(&mut bench, 20_000, 20_000, 200_000);
+    bench.run(100);
+    assert_eq!(bench.read(NODE, 0x356D, 1), 0);
+    bench.run(3_000);
+    assert_eq!(bench.read(NODE, 0x356D, 1), 1);
+}
+
 /// Motion task 0 of the S200 is a set-point by its own objects, O_P and O_V.
 #[test]
 fn the_direct_task_of_the_s200_is_a_set_point() {
@@ -453,5 +522,6 @@ mod each {
         shows_where_it_is: nanotec s200;
         homes_with_two_speeds: lmd nanotec s200;
         homes_at_its_index: lmd nanotec s200;
+        follows_a_set_point_of_each_sync: nanotec s200;
     }
 }

@@ -333,11 +333,15 @@ impl<D: Dictionary> Node<D> {
         self.lss.takes(timing)
     }
 
+    /// LSS stores node-ID and bit rate, or objects do.
+    const CAN_STORE_SETTINGS: bool = D::FEATURES.lss || D::HABITS.settings_are_objects;
+
     /// The result of storing the settings of [`Event::StoreSettings`]; sends the answer to the LSS master, or asks to
     /// store the newer settings that the master has ordered meanwhile.
     pub fn settings_stored(&mut self, result: Result<(), StoreError>) {
-        if D::FEATURES.lss
+        if Self::CAN_STORE_SETTINGS
             && let Some(answer) = self.lss.settings_stored(result)
+            && D::FEATURES.lss
         {
             self.push_lss(answer);
         }
@@ -538,7 +542,7 @@ impl<D: Dictionary> Node<D> {
 
     /// Passes on what the LSS slave wants done.
     fn serve_lss_events(&mut self) {
-        while D::FEATURES.lss
+        while Self::CAN_STORE_SETTINGS
             && let Some(event) = self.lss.event()
         {
             match event {

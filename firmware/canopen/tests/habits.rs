@@ -45,6 +45,7 @@ impl<const HAS_HABITS: bool> Dictionary for Device<HAS_HABITS> {
             acyclic_is_each_sync: true,
             short_sizes: true,
             mapped_length_of_0: true,
+            settings_are_objects: true,
             lss_100_kbit: true,
             receives_at_nth_sync: true,
             tells_its_state: true,

@@ -65,7 +65,7 @@ pub use actuator::{
     ServoReport, StepAxis,
 };
 pub use board::{DriveConfig, Inputs, Outputs};
-pub use cia402_parameters::{self as parameters, Features, Habits, Parameter};
+pub use cia402_parameters::{self as parameters, Features, Habits, NetworkObjects, Parameter};
 pub use commands::{Commands, SetPoint};
 pub use configuration::Configuration;
 pub use controlword::Command;

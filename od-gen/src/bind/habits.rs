@@ -9,6 +9,8 @@ pub enum Owner {
     Node,
     /// The drive: `cia402::Habits`.
     Drive,
+    /// Where settings are objects: `cia402::NetworkObjects`.
+    Network,
     /// It is a feature: block transfer.
     Features,
 }
@@ -22,6 +24,9 @@ enum Kind {
     OtherAbortCode,
     NodeId,
     BitRate,
+    Object,
+    /// A number for each bit rate.
+    BitRates,
 }
 
 /// A habit of the firmware.
@@ -48,7 +53,7 @@ const fn known(owner: Owner, name: &'static str, kind: Kind) -> Known {
 }
 
 /// Every habit.
-pub static KNOWN: [Known; 29] = [
+pub static KNOWN: [Known; 33] = [
     known(Owner::Node, "node_id", Kind::NodeId),
     known(Owner::Node, "bit_rate", Kind::BitRate),
     known(Owner::Node, "node_id_at_once", Kind::Flag),
@@ -77,6 +82,10 @@ pub static KNOWN: [Known; 29] = [
     known(Owner::Drive, "lock_is_bit_8", Kind::Flag),
     known(Owner::Drive, "velocity_in_rpm", Kind::Flag),
     known(Owner::Drive, "velocity_has_polarity", Kind::Flag),
+    known(Owner::Network, "node_id_object", Kind::Object),
+    known(Owner::Network, "bit_rate_object", Kind::Object),
+    known(Owner::Network, "bit_rate_numbers", Kind::BitRates),
+    known(Owner::Network, "serial_number_object", Kind::Object),
     known(Owner::Features, "block_transfer", Kind::Flag),
 ];
 
@@ -110,6 +119,8 @@ impl Known {
             Kind::AbortCode | Kind::OtherAbortCode => "an abort code, such as 0x06090030",
             Kind::NodeId => "a number from 1 to 127",
             Kind::BitRate => "a bit rate in kbit/s",
+            Kind::Object => "an object, such as \"2009h\" or \"2510h:1\"",
+            Kind::BitRates => "numbers of bit rates, such as { 130 = 20 }",
         }
     }
 
@@ -126,6 +137,21 @@ impl Known {
             Kind::BitRate => {
                 let rate = value.as_integer()?;
                 BIT_RATES.contains(&rate).then(|| rate.to_string())
+            }
+            Kind::Object => {
+                let (index, sub) = super::entry(value.as_str()?)?;
+                Some(format!("(0x{index:04X}, {sub})"))
+            }
+            Kind::BitRates => {
+                let mut pairs = Vec::new();
+                for (number, rate) in value.as_table()? {
+                    let number: u32 = number.parse().ok()?;
+                    let rate = rate.as_integer()?;
+                    let index = BIT_RATES.iter().position(|own| *own == rate)?;
+                    pairs.push((number, index));
+                }
+                pairs.sort_unstable();
+                Some(format!("&{pairs:?}"))
             }
         }
     }

@@ -19,6 +19,11 @@ pub(super) fn of_node(bound: &Bindings) -> String {
             _ => field(&mut fields, habit),
         }
     }
+    let is_setting =
+        |habit: &Habit| matches!(habit.known.name, "node_id_object" | "bit_rate_object");
+    if habits.iter().any(is_setting) {
+        fields += "        settings_are_objects: true,\n";
+    }
     if !bound.errors.is_empty() {
         let rows: String = bound.errors.iter().map(told).collect();
         fields += &format!("        errors: &[\n{rows}        ],\n");
@@ -74,6 +79,22 @@ pub(super) fn of_drive(habits: &[Habit]) -> String {
         .filter(|habit| habit.known.owner == Owner::Drive)
     {
         field(&mut fields, habit);
+    }
+    let mut objects = String::new();
+    for habit in habits {
+        let name = match habit.known.name {
+            "node_id_object" => "node_id",
+            "bit_rate_object" => "bit_rate",
+            "bit_rate_numbers" => "bit_rates",
+            "serial_number_object" => "serial_number",
+            _ => continue,
+        };
+        objects += &format!("            {name}: {},\n", habit.value);
+    }
+    if !objects.is_empty() {
+        const OF: &str = "::cia402::NetworkObjects";
+        fields +=
+            &format!("        network: {OF} {{\n{objects}            ..{OF}::OWN\n        }},\n");
     }
     constant("DRIVE_HABITS", "::cia402::Habits", &fields)
 }

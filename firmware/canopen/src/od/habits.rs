@@ -53,6 +53,8 @@ pub struct Habits {
     pub short_sizes: bool,
     /// A mapping entry whose length is 0 has that of its object.
     pub mapped_length_of_0: bool,
+    /// Objects of the maker are node-ID or bit rate, and store them; of a device that may be without LSS.
+    pub settings_are_objects: bool,
     /// LSS takes 100 kbit/s, index 5 of its table 0, which CiA 305 has reserved since.
     pub lss_100_kbit: bool,
     /// A frame of a receive PDO of type N, 2 to 240, counts at the Nth SYNC from then on; else at the next one, as CiA 301 has it.
@@ -79,6 +81,7 @@ impl Habits {
         acyclic_is_each_sync: false,
         short_sizes: false,
         mapped_length_of_0: false,
+        settings_are_objects: false,
         lss_100_kbit: false,
         receives_at_nth_sync: false,
         tells_its_state: false,

@@ -1,5 +1,33 @@
 //! What the drives of a maker do in their own way where CiA 402-2 says otherwise or leaves it open, known when the drive is compiled.
 
+/// Where node-ID, bit rate and serial number are objects.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NetworkObjects {
+    /// The node-ID that is stored: index and sub-index.
+    pub node_id: (u16, u8),
+    /// The bit rate that is stored.
+    pub bit_rate: (u16, u8),
+    /// The numbers that stand for bit rates in it, each with its index of the LSS bit timing table 0; none if they are these indices.
+    pub bit_rates: &'static [(u32, u8)],
+    /// Where the serial number is beside 1018h:4; (0, 0) if it is nowhere else.
+    pub serial_number: (u16, u8),
+}
+
+impl NetworkObjects {
+    /// Those of the generic drive.
+    pub const OWN: Self = Self {
+        node_id: (0x5FF0, 1),
+        bit_rate: (0x5FF0, 2),
+        bit_rates: &[],
+        serial_number: (0, 0),
+    };
+
+    /// Whether they are those of the generic drive.
+    pub const fn are_own(&self) -> bool {
+        self.node_id.0 == Self::OWN.node_id.0 && self.bit_rate.0 == Self::OWN.bit_rate.0
+    }
+}
+
 /// The ways of a drive: [`Habits::STANDARD`], unless the binding of its data sheet says otherwise. The rule that a habit changes
 /// asks for it, and costs nothing where it is the standard's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,6 +48,8 @@ pub struct Habits {
     pub supply_gates_ready: bool,
     /// 6082h is the speed with which a move of profile position begins and ends, at once; else the velocity at its target.
     pub start_speed: bool,
+    /// Node-ID, bit rate and serial number are these objects.
+    pub network: NetworkObjects,
     /// Bit 8 of the statusword tells that the control tick is locked to SYNC.
     pub lock_is_bit_8: bool,
     /// 604Ch makes revolutions of the motor per minute of the units of velocity mode; else steps/s.
@@ -39,6 +69,7 @@ impl Habits {
         following_error_is_told: false,
         supply_gates_ready: false,
         start_speed: false,
+        network: NetworkObjects::OWN,
         lock_is_bit_8: false,
         velocity_in_rpm: false,
         velocity_has_polarity: false,

@@ -28,7 +28,7 @@ mod list;
 
 pub use conversion::Conversion;
 pub use features::{Features, TORQUE_MODES};
-pub use habits::Habits;
+pub use habits::{Habits, NetworkObjects};
 
 /// The first object of the drive profile. A parameter with a home below it is at home in a data sheet that has such an object with
 /// the parameter's name, and in no other.

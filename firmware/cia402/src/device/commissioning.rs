@@ -12,7 +12,7 @@
 //! configured since, whatever source counts now.
 //!
 //! The serial number is written once, in production ([`crate::protection`]), stored at once, and is 1018h:4 from the next NMT reset
-//! node on. A dictionary may leave these objects out.
+//! node on. A dictionary may leave these objects out, or have others for them ([`crate::NetworkObjects`]).
 
 use canopen::cia301::parameters::ParameterStore;
 use canopen::cia301::sdo::AbortCode;
@@ -26,7 +26,7 @@ use crate::exchange::Share;
 use crate::objects::Objects;
 use crate::protection::{NETWORK, PRODUCTION};
 
-/// The sub-indices of 5FF0h.
+/// The sub-indices of 5FF0h; the first two are also the names of the settings, whatever objects they have.
 const NODE_ID: u8 = 1;
 const BIT_TIMING: u8 = 2;
 const SOURCE_OF_NODE_ID: u8 = 3;
@@ -57,20 +57,25 @@ impl Commissioning {
     }
 
     /// Whether one of these objects may get a value.
-    pub(crate) fn check(&self, entry: &Entry, value: &[u8]) -> Result<(), AbortCode> {
-        match (entry.index, entry.sub, value) {
-            (NETWORK, NODE_ID | BIT_TIMING, _) if self.settings.is_some() => {
-                Err(AbortCode::DeviceState)
+    pub(crate) fn check<D: Dictionary + Objects>(
+        &self,
+        entry: &Entry,
+        value: &[u8],
+    ) -> Result<(), AbortCode> {
+        if let Some(setting) = setting::<D>(entry) {
+            if self.settings.is_some() || setting == NODE_ID && !self.takes_node_id {
+                return Err(AbortCode::DeviceState);
             }
-            (NETWORK, NODE_ID, [_]) if !self.takes_node_id => Err(AbortCode::DeviceState),
-            (NETWORK, NODE_ID | BIT_TIMING, [number]) => match wish(entry.sub, *number) {
+            return match wish::<D>(setting, value) {
                 Some(Wish {
                     bit_timing: Some(timing),
                     ..
                 }) if !self.takes(timing) => Err(AbortCode::InvalidValue),
                 Some(_) => Ok(()),
                 None => Err(AbortCode::InvalidValue),
-            },
+            };
+        }
+        match (entry.index, entry.sub, value) {
             (PRODUCTION, SERIAL_NUMBER, _) if !self.has_store => Err(AbortCode::NotTransferable),
             (PRODUCTION, SERIAL_NUMBER, _) if self.serial_number.is_some() => {
                 Err(AbortCode::DeviceState)
@@ -82,28 +87,23 @@ impl Commissioning {
     }
 
     /// One of these objects was written. Returns whether the answer waits for the store.
-    pub(crate) fn written<D: Dictionary>(&mut self, dictionary: &D, entry: &Entry) {
-        match (entry.index, entry.sub) {
-            (NETWORK, sub @ (NODE_ID | BIT_TIMING)) => {
-                let number = od::read_u8(dictionary, NETWORK, sub);
-                self.settings = number
-                    .and_then(|number| wish(sub, number))
-                    .map(|wish| (sub, wish));
-                self.settings_are_ordered = false;
-            }
-            (PRODUCTION, SERIAL_NUMBER) => {
-                self.serial_number = od::read_u32(dictionary, PRODUCTION, SERIAL_NUMBER);
-            }
-            _ => {}
+    pub(crate) fn written<D: Dictionary + Objects>(&mut self, dictionary: &D, entry: &Entry) {
+        if let Some(setting) = setting::<D>(entry) {
+            let wish = wish::<D>(setting, od::value(dictionary, entry));
+            self.settings = wish.map(|wish| (setting, wish));
+            self.settings_are_ordered = false;
+        } else if (entry.index, entry.sub) == (PRODUCTION, SERIAL_NUMBER) {
+            self.serial_number = od::read_u32(dictionary, PRODUCTION, SERIAL_NUMBER);
         }
     }
 
     /// Whether the answer to a write of this entry waits for the store.
-    pub(crate) const fn is_waiting(&self, entry: &Entry) -> bool {
-        match (entry.index, entry.sub) {
-            (NETWORK, NODE_ID | BIT_TIMING) => self.settings.is_some(),
-            (PRODUCTION, SERIAL_NUMBER) => self.serial_number.is_some(),
-            _ => false,
+    pub(crate) fn is_waiting<D: Objects>(&self, entry: &Entry) -> bool {
+        if setting::<D>(entry).is_some() {
+            self.settings.is_some()
+        } else {
+            let is_serial_number = (entry.index, entry.sub) == (PRODUCTION, SERIAL_NUMBER);
+            is_serial_number && self.serial_number.is_some()
         }
     }
 
@@ -116,18 +116,68 @@ const fn bit(timing: BitTiming) -> u16 {
     1_u16.wrapping_shl(timing.table_index() as u32)
 }
 
-/// What a number at 5FF0h:1 or :2 asks for.
-fn wish(sub: u8, number: u8) -> Option<Wish> {
-    Some(match sub {
-        NODE_ID => Wish {
-            node_id: Some(NodeId::new(number)?),
-            bit_timing: None,
-        },
-        _ => Wish {
-            node_id: None,
-            bit_timing: Some(BitTiming::from_table_index(number)?),
-        },
+/// Which setting an object is.
+pub(super) fn setting<D: Objects>(entry: &Entry) -> Option<u8> {
+    let network = &D::DRIVE_HABITS.network;
+    let own = (entry.index, entry.sub);
+    if own == network.node_id {
+        Some(NODE_ID)
+    } else if own == network.bit_rate {
+        Some(BIT_TIMING)
+    } else {
+        None
+    }
+}
+
+/// The object of a setting.
+const fn object<D: Objects>(setting: u8) -> (u16, u8) {
+    match setting {
+        NODE_ID => D::DRIVE_HABITS.network.node_id,
+        _ => D::DRIVE_HABITS.network.bit_rate,
+    }
+}
+
+/// What the bytes of a setting ask for.
+fn wish<D: Dictionary + Objects>(setting: u8, value: &[u8]) -> Option<Wish> {
+    let number = match value {
+        [number] => u32::from(*number),
+        // Of others than 5FF0h.
+        _ if D::DRIVE_HABITS.network.are_own() => return None,
+        _ => {
+            let bytes = value.iter().rev();
+            bytes.fold(0, |all, byte| all << 8 | u32::from(*byte))
+        }
+    };
+    let rates = D::DRIVE_HABITS.network.bit_rates;
+    if setting == BIT_TIMING && !rates.is_empty() {
+        let found = rates.iter().find(|(own, _)| *own == number)?;
+        return bit_timing::<D>(found.1);
+    }
+    let number = u8::try_from(number).ok()?;
+    if setting == BIT_TIMING {
+        return bit_timing::<D>(number);
+    }
+    Some(Wish {
+        node_id: Some(NodeId::new(number)?),
+        bit_timing: None,
     })
+}
+
+fn bit_timing<D: Dictionary>(index: u8) -> Option<Wish> {
+    let bit_timing = Some(timing::<D>(index)?);
+    Some(Wish {
+        node_id: None,
+        bit_timing,
+    })
+}
+
+/// What an index of the LSS bit timing table 0 stands for here.
+const fn timing<D: Dictionary>(index: u8) -> Option<BitTiming> {
+    if D::HABITS.lss_100_kbit {
+        BitTiming::from_stored_index(index)
+    } else {
+        BitTiming::from_table_index(index)
+    }
 }
 
 impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
@@ -150,7 +200,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
         let commissioning = &mut self.hooks.commissioning;
         commissioning.takes_node_id = self.node.takes_node_id();
         commissioning.timings = (0..=BitTiming::AUTOMATIC_INDEX)
-            .filter_map(BitTiming::from_table_index)
+            .filter_map(timing::<D>)
             .filter(|timing| self.node.takes(*timing))
             .fold(0, |timings, timing| timings | bit(timing));
         self.show_configuration();
@@ -159,12 +209,12 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
     /// Has stored what was written, and shows what LSS has configured.
     pub(super) fn serve_commissioning(&mut self) {
         let commissioning = &mut self.hooks.commissioning;
-        if let Some((sub, wish)) = commissioning.settings
+        if let Some((setting, wish)) = commissioning.settings
             && !commissioning.settings_are_ordered
         {
             commissioning.settings_are_ordered = true;
             if self.node.configure_and_store(&wish).is_err() {
-                self.end_settings(sub, Err(AbortCode::InvalidValue));
+                self.end_settings(setting, Err(AbortCode::InvalidValue));
             }
         }
         if self.hooks.protection.is_stale() {
@@ -177,17 +227,18 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
 
     /// What the firmware says of settings that were to be stored ([`canopen::Event::StoreSettings`]).
     pub(super) fn end_storing_settings(&mut self, result: Result<(), StoreError>) {
-        if let Some((sub, _)) = self.hooks.commissioning.settings
+        if let Some((setting, _)) = self.hooks.commissioning.settings
             && self.hooks.commissioning.settings_are_ordered
             && !self.node.is_storing_settings()
         {
-            self.end_settings(sub, result.map_err(AbortCode::from));
+            self.end_settings(setting, result.map_err(AbortCode::from));
         }
     }
 
-    fn end_settings(&mut self, sub: u8, result: Result<(), AbortCode>) {
+    fn end_settings(&mut self, setting: u8, result: Result<(), AbortCode>) {
         self.hooks.commissioning.settings = None;
-        self.node.complete_write(NETWORK, sub, result);
+        let (index, sub) = object::<D>(setting);
+        self.node.complete_write(index, sub, result);
         self.show_configuration();
     }
 
@@ -227,6 +278,10 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
             node_id,
             bit_timing,
         } = self.configuration;
+        if !D::DRIVE_HABITS.network.are_own() {
+            self.show_elsewhere(node_id.get(), bit_timing.table_index());
+            return;
+        }
         let (of_node_id, of_bit_timing) = self.sources;
         for (sub, value) in [
             (NODE_ID, node_id.get()),
@@ -236,6 +291,30 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
         ] {
             // A dictionary without the object has no place for it.
             let _ = od::write_u8(self.node.dictionary_mut(), NETWORK, sub, value);
+        }
+    }
+
+    /// Shows the settings in objects of another maker.
+    fn show_elsewhere(&mut self, node_id: u8, rate: u8) {
+        let rates = D::DRIVE_HABITS.network.bit_rates;
+        let rate = match rates.iter().find(|(_, index)| *index == rate) {
+            Some((number, _)) => *number,
+            // There is no number for it.
+            None if !rates.is_empty() => return self.show_number(NODE_ID, node_id.into()),
+            None => rate.into(),
+        };
+        self.show_number(NODE_ID, node_id.into());
+        self.show_number(BIT_TIMING, rate);
+    }
+
+    /// Puts a number into the object of a setting, if there is one.
+    fn show_number(&mut self, setting: u8, number: u32) {
+        let (index, sub) = object::<D>(setting);
+        if let Ok(entry) = od::find::<D>(index, sub)
+            && let Some(bytes) = number.to_le_bytes().get(..usize::from(entry.size()))
+        {
+            // It has its own limits.
+            let _ = od::set(self.node.dictionary_mut(), entry, bytes);
         }
     }
 }

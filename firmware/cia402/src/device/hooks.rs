@@ -18,7 +18,7 @@ use canopen::cia301::sdo::{AbortCode, Completion};
 use canopen::od::{self, Dictionary, Entry, write_u32};
 use canopen::{Application, Instant};
 
-use super::commissioning::Commissioning;
+use super::commissioning::{Commissioning, setting};
 use crate::commands::Commands;
 use crate::controlword::ControlwordHistory;
 use crate::cyclic::{CyclicConfiguration, SyncEvent};
@@ -241,7 +241,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Application<D> for Hooks<A> {
         let parameter = D::parameter(entry);
         let protected = self.protection.check(dictionary, entry, parameter, value);
         protected.inspect_err(|code| self.protection.refused(entry, *code))?;
-        self.commissioning.check(entry, value)?;
+        self.commissioning.check::<D>(entry, value)?;
         if D::DRIVE.scope {
             self.desk.check(dictionary, entry, value)?;
         }
@@ -291,11 +291,14 @@ impl<D: Dictionary + Objects, A: Application<D>> Application<D> for Hooks<A> {
             self.protection.written(dictionary, entry);
             self.commissioning.written(dictionary, entry);
         }
+        if !D::DRIVE_HABITS.network.are_own() && setting::<D>(entry).is_some() {
+            self.commissioning.written(dictionary, entry);
+        }
         self.application.written(dictionary, entry);
     }
 
     fn completion(&mut self, dictionary: &D, entry: &Entry) -> Completion {
-        if self.commissioning.is_waiting(entry) {
+        if self.commissioning.is_waiting::<D>(entry) {
             return Completion::Later;
         }
         self.application.completion(dictionary, entry)
@@ -352,6 +355,10 @@ impl<D: Dictionary + Objects, A: Application<D>> Application<D> for Hooks<A> {
     fn power_on(&mut self, dictionary: &mut D) {
         // Power-on values hold the serial number 0 of the data sheet. A dictionary without 1018h:4 has no place for it.
         let _ = write_u32(dictionary, IDENTITY, SERIAL_NUMBER, self.serial_number);
+        let (index, sub) = D::DRIVE_HABITS.network.serial_number;
+        if index != 0 {
+            let _ = write_u32(dictionary, index, sub, self.serial_number);
+        }
         let _ = write_u32(dictionary, PRODUCTION, 1, self.produced);
         self.protection.reset();
         self.protection.load();
