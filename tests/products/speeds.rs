@@ -458,6 +458,107 @@ fn the_s200_sets_its_reference_where_it_stands() {
     }
 }
 
+/// A master that begins with the position that it reads moves nothing; its set-points come by a PDO with SYNC.
+#[test]
+fn the_nanotec_is_led_by_pdos_from_where_it_stands() {
+    let mut bench = Bench::node("nanotec", NODE);
+    // RPDO 2 carries controlword and set-point, TPDO 2 statusword and position.
+    for (index, cob_id, mapping) in [
+        (0x1401, 0x0000_0304_u32, [0x6040_0010_u32, 0x60C1_0120]),
+        (0x1801, 0x4000_0284, [0x6041_0010, 0x6064_0020]),
+    ] {
+        number(&mut bench, index, 1, cob_id | 0x8000_0000);
+        bench.write(NODE, index + 0x200, 0, &[0]);
+        for (sub, entry) in (1..).zip(mapping) {
+            number(&mut bench, index + 0x200, sub, entry);
+        }
+        bench.write(NODE, index + 0x200, 0, &[2]);
+        bench.write(NODE, index, 2, &[1]);
+        number(&mut bench, index, 1, cob_id);
+    }
+    // The period is that of SYNC, whatever this is.
+    bench.write(NODE, 0x60C2, 1, &[77]);
+    bench.write(NODE, 0x6060, 0, &[1]);
+    bench.enable(NODE);
+    begin(&mut bench, 700, 2_000, 50_000);
+    bench.run(1_000);
+    bench.write(NODE, 0x6060, 0, &[7]);
+    bench.send(&Frame::data_frame(0, &[1, NODE]));
+    bench.run(20);
+    let cycle = |bench: &mut Bench, controlword: u16, target: i32| {
+        let mut data = controlword.to_le_bytes().to_vec();
+        data.extend(target.to_le_bytes());
+        bench.send(&Frame::data_frame(0x304, &data));
+        bench.sent.clear();
+        bench.send(&Frame::data_frame(0x080, &[]));
+        bench.run(10);
+        let own = |frame: &&Frame| frame.standard_id() == Some(0x284);
+        let frame = *bench.sent.iter().find(own).expect("TPDO 2");
+        let [_, _, a, b, c, d] = frame.payload() else {
+            panic!("{frame:?}")
+        };
+        i32::from_le_bytes([*a, *b, *c, *d])
+    };
+    let here = cycle(&mut bench, 0x0F, 0);
+    assert_eq!(here, 700);
+    for _ in 0..50 {
+        assert_eq!(cycle(&mut bench, 0x1F, here), 700, "it stays");
+    }
+    let mut last = here;
+    for step in 1..=60 {
+        let shown = cycle(&mut bench, 0x1F, here + step.min(50) * 10);
+        // No faster than the set-points are apart, and a step more or less.
+        assert!((0..=12).contains(&(shown - last)), "{shown} behind {last}");
+        last = shown;
+    }
+    assert_eq!(last, 1_200);
+}
+
+/// A run to a stop, felt by the encoder, ends there: home is the stop, or the index pulse next to it.
+#[test]
+fn a_stop_is_home() {
+    // -2 of a Nanotec is clockwise, -3 the other way; -3 of an S200 goes on to the zero pulse.
+    for (name, method, stop, home) in [
+        ("nanotec", 0xFE, 2_000, 2_000),
+        ("nanotec", 0xFD, -1_500, -1_500),
+        ("s200", 0xFD, -1_500, -1_300),
+    ] {
+        let track = Track {
+            stops: Some(-1_500..=2_000),
+            index: Some(Index::new(-1_300, 100_000)),
+            ..Track::default()
+        };
+        let mut bench = enabled_on(name, 6, track);
+        bench.drive.plant_mut().encoder = true;
+        number(&mut bench, 0x6099, 1, 2_000);
+        number(&mut bench, 0x6099, 2, 500);
+        bench.write(NODE, 0x6098, 0, &[method]);
+        bench.run(20);
+        command(&mut bench, 0x1F);
+        bench.wait_for_status(NODE, 0x3400, 0x1400, 8_000);
+        let stands = bench.drive.plant_mut().rotor();
+        assert!(
+            stands.abs_diff(home) <= 20,
+            "{name} {method:02X}h: {stands}, {stop}"
+        );
+    }
+}
+
+/// A window of 0 watches no following error; another one is a fault.
+#[test]
+fn the_s200_watches_no_following_error_with_a_window_of_0() {
+    for (window, state) in [(0, 0x27), (500, 0x08)] {
+        let mut bench = enabled("s200", 1);
+        number(&mut bench, 0x6065, 0, window);
+        bench.drive.plant_mut().encoder = true;
+        begin(&mut bench, 50_000, 2_000, 20_000);
+        bench.run(500);
+        bench.drive.plant_mut().displace(-5_000);
+        bench.run(500);
+        assert_eq!(statusword(&mut bench) & 0x6F, state, "{window}");
+    }
+}
+
 /// V, PV, VCMD and those of the base unit are in 1/min.
 #[test]
 fn the_s200_shows_its_speed_in_turns_a_minute() {
