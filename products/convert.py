@@ -6,6 +6,7 @@ What a manual does not tell, or tells in a way that no data sheet can, is decide
 - PDO mapping that is unknown is allowed for the process data of CiA 402 and for what a default mapping maps, else not.
 - A default that is no number (such as "motor dependent") is left out, and so are limits that the type has anyway.
 - `chosen.csv` beside a table has what the manual leaves open and a drive needs to move: defaults, for the TC1 whole objects.
+- What a channel of the S200 tells of its number (limits, default, format, attributes) the manual leaves open: it is what holds here.
 - Where 0 is outside the limits and there is no default, the lower limit is the default. A limit that the default breaks
   is left out, and so are those of 1010h and 1011h, which are no range but the signature.
 """
@@ -108,6 +109,31 @@ def choose(rows, file):
     return {key(row): row["description"] for row in chosen}
 
 
+CHANNELS = range(0x3500, 0x3CD0)
+READ_ONLY, VOLATILE, FUNCTION = 0x08, 0x20, 0x40
+
+
+def describe_channels(rows, chosen):
+    """Fills in what the channels of the S200 tell of their numbers, sub-indices 2 to 6, and how far they reach. None of it changes."""
+    channels = {}
+    for row in rows:
+        if index_of(row) in CHANNELS:
+            channels.setdefault(index_of(row), {})[int(row["sub"], 0)] = row
+    for subs in channels.values():
+        value = subs.get(1)
+        if not value:
+            continue
+        _, bits, signed = SIZES[value["data_type"]]
+        range_of_type = (-(1 << bits - 1), (1 << bits - 1) - 1) if signed else (0, (1 << bits) - 1)
+        low, high = (number(value[column]) or (limit, False) for column, limit in zip(("min", "max"), range_of_type, strict=True))
+        attributes = {"ro": READ_ONLY, "wo": FUNCTION}.get(value["access"], 0) | (VOLATILE if value["persistent"] == "no" else 0)
+        facts = (low[0], high[0], (number(value["default"]) or (0, False))[0], 5 if signed else 4, attributes)
+        for sub, fact in enumerate(facts, 2):
+            subs[sub] |= {"access": "const", "default": str(fact), "min": "", "max": ""}
+    channels[CHANNELS.start][1] |= {"access": "const", "default": str(max(channels) - CHANNELS.start)}
+    chosen[CHANNELS.start, 1] = "from here to the last one"
+
+
 def index_of(row):
     return int(row["index"], 16)
 
@@ -141,6 +167,8 @@ class Sheet:
         with open(HERE / drive.file / "objects.csv", newline="", encoding="utf-8") as file:
             rows = list(csv.DictReader(file))
         self.chosen = choose(rows, HERE / drive.file / "chosen.csv")
+        if drive.file == "s200":
+            describe_channels(rows, self.chosen)
         self.dummies = {int(row["index"], 16) for row in rows if int(row["index"], 16) < 0x20 and row["pdo_mappable"] == "rx"}
         self.objects = {}
         for row in rows:

@@ -356,6 +356,34 @@ fn map(product: &str) -> Vec<String> {
     wrong
 }
 
+/// Each channel of the S200 has its limits, its default, its format and its attributes, and they are those of its number.
+#[test]
+fn the_channels_of_the_s200_describe_their_numbers() {
+    let mut bench = Bench::node("s200", NODE);
+    let mut channels = 0;
+    let mut last = 0;
+    for row in rows("s200") {
+        if row.sub != 1 || !(0x3500..0x3CD0).contains(&row.index) {
+            continue;
+        }
+        let name = row.name();
+        let [low, high, default, format, attributes] =
+            [2, 3, 4, 5, 6].map(|sub| bench.read(NODE, row.index, sub));
+        assert_eq!(format, if row.is_signed { 5 } else { 4 }, "{name}");
+        let (least, most) = row.range();
+        let limits = (row.low.unwrap_or(least), row.high.unwrap_or(most));
+        assert_eq!((low, high), (limits.0 as u32, limits.1 as u32), "{name}");
+        assert_eq!(default, row.default.unwrap_or(0) as u32, "{name}");
+        assert_eq!(attributes & 0x08 != 0, row.access == "ro", "{name}");
+        assert_eq!(attributes & 0x40 != 0, row.access == "wo", "{name}");
+        (channels, last) = (channels + 1, row.index);
+    }
+    assert_eq!(channels, 232);
+    let reach = bench.read(NODE, 0x3500, 1);
+    assert_eq!(reach, 0x3CCF - 0x3500);
+    assert!(u32::from(last) <= 0x3500 + reach);
+}
+
 macro_rules! objects {
     ($($product:ident)*) => {$(
         mod $product {
