@@ -393,15 +393,17 @@ fn units_of_the_nanotec_are_those_of_its_encoder_and_not_of_the_step_mode() {
 #[test]
 fn the_nanotec_tells_that_it_is_locked_to_sync() {
     let mut bench = Bench::node("nanotec", NODE);
-    bench.send(&Frame::data_frame(0, &[1, NODE]));
-    bench.run(20);
-    assert_eq!(statusword(&mut bench) >> 8 & 1, 0);
-    for _ in 0..400 {
-        bench.send(&Frame::data_frame(0x080, &[]));
-        bench.run(5);
+    // It listens from operational on.
+    for (command, is_locked) in [(128, 0), (1, 1)] {
+        bench.send(&Frame::data_frame(0, &[command, NODE]));
+        bench.run(20);
+        for _ in 0..400 {
+            bench.send(&Frame::data_frame(0x080, &[]));
+            bench.run(5);
+        }
+        let word = bench.drive.object(0x6041, 0).unwrap();
+        assert_eq!(word[1] & 1, is_locked, "{command}");
     }
-    let word = bench.drive.object(0x6041, 0).unwrap();
-    assert_eq!(word[1] & 1, 1, "locked");
     bench.run(500);
     assert_eq!(statusword(&mut bench) >> 8 & 1, 0, "SYNC has ended");
 }
@@ -456,6 +458,42 @@ fn the_s200_sets_its_reference_where_it_stands() {
         let answer = bench.sdo(NODE, [0x2F, 0x98, 0x60, 0, method, 0, 0, 0]);
         assert_eq!(answer[0], 0x80, "{method}");
     }
+}
+
+/// Bit 12 of cyclic synchronous position tells that the target is followed, bit 13 of a following error.
+#[test]
+fn the_lmd_tells_how_it_follows_cyclic_targets() {
+    let mut bench = Bench::node("lmd", NODE);
+    bench.write(NODE, 0x60C2, 1, &[10]);
+    bench.write(NODE, 0x60C2, 2, &(-3_i8).to_le_bytes());
+    number(&mut bench, 0x6065, 0, 500);
+    bench.send(&Frame::data_frame(0, &[1, NODE]));
+    bench.write(NODE, 0x6060, 0, &[8]);
+    bench.enable(NODE);
+    let cycle = |bench: &mut Bench, target: i32| {
+        bench.write(NODE, 0x607A, 0, &target.to_le_bytes());
+        bench.send(&Frame::data_frame(0x080, &[]));
+        bench.run(10);
+        statusword(bench) >> 12 & 3
+    };
+    for target in 0..100 {
+        cycle(&mut bench, target * 20);
+    }
+    assert_eq!(cycle(&mut bench, 2_000), 0b01, "it follows");
+    bench.drive.plant_mut().encoder = true;
+    cycle(&mut bench, 2_020);
+    bench.drive.plant_mut().displace(-2_000);
+    for target in 102..110 {
+        cycle(&mut bench, target * 20);
+    }
+    assert_eq!(cycle(&mut bench, 2_200) >> 1, 1, "it is too far away");
+    // Without targets nothing is followed.
+    let mut bench = Bench::node("lmd", NODE);
+    bench.write(NODE, 0x6060, 0, &[8]);
+    bench.enable(NODE);
+    bench.write(NODE, 0x6040, 0, &[0x0F, 1]);
+    bench.run(200);
+    assert_eq!(statusword(&mut bench) >> 12 & 1, 0, "halt");
 }
 
 /// A master that begins with the position that it reads moves nothing; its set-points come by a PDO with SYNC.

@@ -79,8 +79,11 @@ fn features(
     let modes = all
         .iter()
         .find(|(parameter, _)| parameter.parameter == Parameter::SupportedDriveModes)
-        .and_then(|(_, sites)| sites.first())
-        .map_or(0, Site::default);
+        .and_then(|(parameter, sites)| {
+            let told = || sites.first().map(Site::default);
+            bound.constant(parameter).or_else(told)
+        })
+        .unwrap_or(0);
     let offered: Vec<Parameter> = all
         .iter()
         .filter(|(parameter, sites)| !sites.is_empty() || bound.constant(parameter).is_some())
