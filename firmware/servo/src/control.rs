@@ -15,6 +15,7 @@ use crate::motor::Implausible;
 use crate::number::{between, fade, is_within, limit, root};
 use crate::protection::{Blocked, Bus, Derating, PhaseLoss, Thermal};
 use crate::transform::{Rotor, Stator};
+use crate::tuning::Chirp;
 use crate::{Cascade, Motor};
 
 /// Why the motor has no current any more.
@@ -150,6 +151,8 @@ pub struct Control {
     /// rad of a count.
     count: f32,
     order: Option<Order>,
+    /// What is added to the current that is asked for, in A.
+    chirp: Option<Chirp>,
     /// Since the order, in s.
     since: f32,
     /// Gone on beyond the whole counts of the order, in counts.
@@ -188,6 +191,7 @@ impl Control {
             phase_loss: PhaseLoss::new(motor.wiring, least, 0.02, period)?,
             count: core::f32::consts::TAU / motor.counts as f32,
             order: None,
+            chirp: None,
             since: 0.0,
             beyond: 0.0,
             wanted: 0.0,
@@ -203,6 +207,7 @@ impl Control {
     /// The gates are about to be on: no current flows, and nothing is ordered. Ends a fault.
     pub fn start(&mut self) {
         self.order = None;
+        self.chirp = None;
         self.wanted = 0.0;
         self.held = false;
         self.is_limited = false;
@@ -220,6 +225,26 @@ impl Control {
     pub fn order(&mut self, order: Order, since: f32) {
         self.order = Some(order);
         self.since = since;
+    }
+
+    /// Other gains, from the next period on.
+    ///
+    /// # Errors
+    /// With what [`Cascade::set_gains`] refuses; those of before stay.
+    pub fn set_gains(&mut self, gains: Gains) -> Result<(), Implausible> {
+        self.cascade.set_gains(gains)?;
+        self.config.gains = gains;
+        Ok(())
+    }
+
+    /// Adds to what is asked of the motor, within its limits, from the next period on; `None` ends it.
+    pub fn excite(&mut self, chirp: Option<Chirp>) {
+        self.chirp = chirp;
+    }
+
+    /// Whether something is added to what is asked of the motor.
+    pub fn is_excited(&self) -> bool {
+        self.chirp.is_some()
     }
 
     /// Whether the brake chopper is to be on at this voltage of the bus.
@@ -263,7 +288,13 @@ impl Control {
         let Some(order) = self.order else {
             return Ok(Rotor::ZERO);
         };
-        let (demand, is_position) = self.demand(&order);
+        let (mut demand, is_position) = self.demand(&order);
+        if let Some(chirp) = &mut self.chirp {
+            match chirp.run() {
+                Some(current) => demand.current += current,
+                None => self.chirp = None,
+            }
+        }
         if is_position != self.held {
             self.held = is_position;
             if is_position {

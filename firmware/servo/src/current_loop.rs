@@ -234,6 +234,21 @@ impl CurrentLoop {
         is_one.then_some(current_loop).ok_or(Implausible)
     }
 
+    /// Another share of an error that a period takes away, from the next period on.
+    ///
+    /// # Errors
+    /// With a share outside 0.001 to 1; that of before stays.
+    pub fn set_share(&mut self, share: f32) -> Result<(), Implausible> {
+        if !is_within(share, 1e-3, 1.0) {
+            return Err(Implausible);
+        }
+        self.config.share = share;
+        for axis in [&mut self.d, &mut self.q] {
+            axis.gain = share * axis.inductance / self.config.period;
+        }
+        Ok(())
+    }
+
     /// Begins anew, with no voltage acting; ends a trip.
     pub fn start(&mut self) {
         self.voltage = Rotor::ZERO;

@@ -42,6 +42,7 @@ pub mod offsets;
 pub mod protection;
 pub mod stepper;
 pub mod transform;
+pub mod tuning;
 
 pub use angle::Angle;
 pub use cascade::Cascade;

@@ -1,0 +1,327 @@
+//! Flux, inertia and friction: a torque pushes the rotor one way until it is fast enough or halfway, the same torque the other way brings it to a standstill; and back again.
+//!
+//! With a current q, a friction f and the inertia J, all as currents of the motor, the rotor goes
+//!
+//! ```text
+//! J · x(t) = ∬ q − f · ∬ sign(ω)
+//! ```
+//!
+//! from where it stood. Both integrals are known where the torque turns round and where the rotor stands again, so two such points are two equations, and all strokes
+//! together a line through them. Positions are exact, and at a standstill it does not matter when that is seen. The voltage of the magnet is what the loop needed beyond
+//! the resistance.
+
+use super::{Failure, Measured, Next, Seen, Setup};
+use crate::current_loop::Sample;
+use crate::feedback::{Incremental, Observer};
+use crate::motor::Implausible;
+use crate::number::is_within;
+use crate::transform::Rotor;
+use crate::{Angle, CurrentLoop, Motor};
+
+/// The torque begins with this share of the current, and grows by this factor until the rotor moves.
+const FIRST: f32 = 0.05;
+const GROWTH: f32 = 1.3;
+
+/// Once it moves, the strokes are that much stronger.
+const STRONGER: f32 = 2.5;
+
+/// A rotor that has not moved by a part of a turn in this time is held, in s; a stroke that takes longer than this is too weak.
+const HELD: f32 = 0.025;
+const MOVED: f32 = 1.0 / 400.0;
+const LONGEST: f32 = 0.3;
+
+/// The rotor goes back when it is so many counts from its furthest point.
+const BACK: i64 = 3;
+
+/// How many strokes are looked at.
+const STROKES: u8 = 6;
+
+/// The share of the voltage that a push may take.
+const VOLTAGE: f32 = 0.6;
+
+/// Current and observer have settled after so many periods.
+const SETTLED: u16 = 40;
+
+/// Of the observer of the angle, in rad/s.
+const OBSERVER: f32 = 2_000.0;
+
+/// What has come together since the rotor stood.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Sums {
+    time: f32,
+    /// ∫ and ∬ of the current.
+    once: f32,
+    twice: f32,
+}
+
+impl Sums {
+    fn add(&mut self, current: f32, period: f32) {
+        self.time += period;
+        self.once += current * period;
+        self.twice += self.once * period;
+    }
+
+    /// With a current that was the same for so long.
+    fn since(time: f32, current: f32) -> Self {
+        Self {
+            time,
+            once: current * time,
+            twice: 0.5 * current * time * time,
+        }
+    }
+}
+
+/// A line through all equations: current / (rad/s²) upwards over s² / rad.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Line {
+    count: f32,
+    u: f32,
+    w: f32,
+    uu: f32,
+    uw: f32,
+}
+
+impl Line {
+    fn add(&mut self, sums: &Sums, way: f32) {
+        let by = 1.0 / way;
+        let (u, w) = (0.5 * sums.time * sums.time * by, sums.twice * by);
+        self.count += 1.0;
+        self.u += u;
+        self.w += w;
+        self.uu += u * u;
+        self.uw += u * w;
+    }
+
+    /// The inertia as a current of an acceleration, and the friction as a current.
+    fn solve(&self) -> (f32, f32) {
+        let spread = self.count * self.uu - self.u * self.u;
+        let friction = (self.count * self.uw - self.u * self.w) / spread;
+        ((self.w - friction * self.u) / self.count, friction)
+    }
+}
+
+/// See the module.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Strokes {
+    current: CurrentLoop,
+    encoder: Incremental,
+    observer: Observer,
+    /// rad of a count.
+    count: f32,
+    level: f32,
+    /// The rotor has moved; what it does now counts.
+    counts: bool,
+    done: u8,
+    is_forward: bool,
+    brakes: bool,
+    /// Where the stroke began, and how far it has come, when that was reached first and last.
+    begin: i64,
+    furthest: i64,
+    reached: f32,
+    left: f32,
+    sums: Sums,
+    /// As it was when the torque turned round, and when it had come furthest.
+    turned: (Sums, i64),
+    stood: Sums,
+    settled: u16,
+    line: Line,
+    /// Sums of voltage × speed and of speed².
+    voltage: f32,
+    square: f32,
+}
+
+impl Strokes {
+    /// With a motor of which winding and pole pairs are known, whose rotor stands at this electrical angle, with the timer at this count.
+    pub(super) fn new(
+        setup: &Setup,
+        motor: &Motor,
+        current: CurrentLoop,
+        (angle, timer): (Angle, u16),
+    ) -> Result<Self, Implausible> {
+        let mut encoder = Incremental::new(motor, timer, 2);
+        encoder.set_angle(angle);
+        let most = 1.0 / setup.period;
+        let bandwidth = if OBSERVER < most { OBSERVER } else { most };
+        let mut observer = Observer::new(bandwidth, setup.period)?;
+        observer.stand_at(angle);
+        Ok(Self {
+            current,
+            encoder,
+            observer,
+            count: core::f32::consts::TAU / setup.counts as f32,
+            level: FIRST * setup.current,
+            counts: false,
+            done: 0,
+            is_forward: true,
+            brakes: false,
+            begin: 0,
+            furthest: 0,
+            reached: 0.0,
+            left: 0.0,
+            sums: Sums::default(),
+            turned: (Sums::default(), 0),
+            stood: Sums::default(),
+            settled: 0,
+            line: Line::default(),
+            voltage: 0.0,
+            square: 0.0,
+        })
+    }
+
+    /// `timer` goes the right way.
+    pub(super) fn run(
+        &mut self,
+        setup: &Setup,
+        seen: &Seen,
+        timer: u16,
+        measured: &mut Measured,
+    ) -> Result<Next, Failure> {
+        self.encoder.look(timer);
+        self.observer.look(self.encoder.angle());
+        let speed = self.observer.speed();
+        let acted = self.current.voltage();
+        let sign = if self.is_forward { 1.0 } else { -1.0 };
+        let push = if self.brakes { -sign } else { sign } * self.level;
+        let sample = Sample {
+            currents: seen.currents,
+            bus: seen.bus,
+            angle: self.observer.angle(),
+            speed,
+        };
+        let widths = self.current.run(&sample, Rotor { d: 0.0, q: push })?;
+        let current = self.current.current();
+        self.settled = self.settled.saturating_add(1);
+        if self.counts && self.settled > SETTLED {
+            let coupled = speed * measured.inductance_d * current.d;
+            let magnet = acted.q - measured.resistance * current.q - coupled;
+            self.voltage += magnet * speed;
+            self.square += speed * speed;
+        }
+        self.sums.add(sign * current.q, setup.period);
+        let way = self.way();
+        if way > self.furthest {
+            self.furthest = way;
+            self.reached = self.sums.time;
+            self.stood = self.sums;
+        }
+        if way >= self.furthest {
+            self.left = self.sums.time;
+        }
+        let most = setup.way * setup.counts as f32;
+        if way.unsigned_abs() as f32 > 1.2 * most {
+            return Err(Failure::TooFar);
+        }
+        if self.brakes {
+            if way < self.furthest - BACK {
+                if self.end_stroke(setup, sign * current.q, measured)? {
+                    return Ok(Next::Finished);
+                }
+            } else if self.sums.time - self.reached > HELD {
+                // What the brake has stopped is held there.
+                self.grow(setup)?;
+            }
+        } else {
+            let turns = self.observer.speed().abs() / f32::from(measured.pole_pairs.max(1));
+            let is_moved = way as f32 > MOVED * setup.counts as f32;
+            let needed = self.current.voltage();
+            let has_most = needed.square() > square(VOLTAGE * setup.modulation.most(seen.bus));
+            let is_fast = has_most || turns > 0.5 * setup.most_speed;
+            if is_moved && (is_fast || way as f32 > 0.5 * most) {
+                self.brakes = true;
+                self.settled = 0;
+                self.turned = (self.sums, way);
+            } else if (!is_moved && self.sums.time > HELD) || self.sums.time > LONGEST {
+                self.grow(setup)?;
+            }
+        }
+        Ok(Next::Widths(widths))
+    }
+
+    /// In counts, forward in the direction of the stroke.
+    fn way(&self) -> i64 {
+        let way = self.encoder.position().wrapping_sub(self.begin);
+        if self.is_forward {
+            way
+        } else {
+            way.wrapping_neg()
+        }
+    }
+
+    /// The torque does not do: it grows, and the stroke begins anew from here.
+    fn grow(&mut self, setup: &Setup) -> Result<(), Failure> {
+        let most = setup.current;
+        if self.level >= most {
+            return Err(Failure::Held);
+        }
+        self.level = least(self.level * GROWTH, most);
+        // What has gone one way comes back.
+        self.is_forward ^= self.way() > 0;
+        self.counts = false;
+        self.brakes = false;
+        self.begin = self.encoder.position();
+        self.furthest = 0;
+        self.reached = 0.0;
+        self.sums = Sums::default();
+        self.settled = 0;
+        Ok(())
+    }
+
+    /// The rotor stood a moment ago and goes back: so begins the next stroke. Returns whether this was the last one.
+    fn end_stroke(
+        &mut self,
+        setup: &Setup,
+        current: f32,
+        measured: &mut Measured,
+    ) -> Result<bool, Failure> {
+        if self.counts {
+            let (turned, way) = self.turned;
+            self.line.add(&turned, way as f32 * self.count);
+            self.line
+                .add(&self.stood, self.furthest as f32 * self.count);
+            self.done += 1;
+        } else {
+            self.counts = true;
+            self.level = least(self.level * STRONGER, setup.current);
+        }
+        // It stood in the middle between coming to its furthest point and leaving it.
+        let since = self.sums.time - 0.5 * (self.reached + self.left);
+        let peak = if self.is_forward {
+            self.furthest
+        } else {
+            self.furthest.wrapping_neg()
+        };
+        self.begin = self.begin.wrapping_add(peak);
+        self.is_forward = !self.is_forward;
+        self.sums = Sums::since(since, -current);
+        self.brakes = false;
+        self.furthest = 0;
+        self.reached = since;
+        self.left = since;
+        self.settled = 0;
+        if self.done < STROKES {
+            return Ok(false);
+        }
+        let (inertia, _) = self.line.solve();
+        measured.flux = self.voltage / self.square;
+        let known = is_within(measured.flux, 1e-6, 10.0) && inertia > 0.0;
+        if !known {
+            return Err(Failure::Held);
+        }
+        Ok(true)
+    }
+
+    /// Inertia and friction by what the motor makes of a current.
+    pub(super) fn loads(&self, torque_constant: f32) -> (f32, f32) {
+        let (inertia, friction) = self.line.solve();
+        let held = if friction > 0.0 { friction } else { 0.0 };
+        (inertia * torque_constant, held * torque_constant)
+    }
+}
+
+fn least(one: f32, other: f32) -> f32 {
+    if one < other { one } else { other }
+}
+
+fn square(value: f32) -> f32 {
+    value * value
+}

@@ -1,0 +1,342 @@
+//! Resistance and inductances, with the magnet pulled to the field.
+//!
+//! For two phases the field stands in the middle between them, for three along phase A: there no phase is without a current, where dead times take what nobody knows.
+//!
+//! A voltage grows until a current flows; then it is led, slowly, so that the current is what it is to be, once half of it and once the whole. What the voltage
+//! grows by between the two is the resistance: what the dead time takes is in both. Around the half a square wave of voltage is added, first along the magnet, then across
+//! it: the current changes by it as the inductance lets it.
+
+use super::{Failure, Measured, Next, Setup, along};
+use crate::number::{between, is_within, root};
+use crate::transform::{Rotor, Stator};
+use crate::{Angle, Wiring};
+
+/// The voltage begins at this share of what there is, and grows by e in this time, in s.
+const FIRST: f32 = 0.002;
+const GROWTH: f32 = 0.03;
+
+/// The led current comes near by this share of the rest in a second.
+const LED: f32 = 60.0;
+
+/// Beyond this share of the current it is held back, as by so many times the resistance.
+const MOST: f32 = 1.05;
+const HELD_BACK: f32 = 5.0;
+
+/// How long it settles at least, how long the rotor must stand while it is looked at, and how long that is waited for, in s.
+const SETTLE: f32 = 0.08;
+const LOOK: f32 = 0.04;
+const WAIT: f32 = 1.0;
+
+/// How near the current must be, as a share of it.
+const NEAR: f32 = 0.05;
+
+/// What the rotor swings by no more while it stands, in counts.
+pub(super) const STANDS: i32 = 1;
+
+/// Periods of a half of the square wave.
+const HALF_WAVE: u16 = 2;
+
+/// The square wave grows until the current swings by this share, and is then looked at for so many periods.
+const SWING: f32 = 0.3;
+const LOOKED_AT: u16 = 400;
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Phase {
+    Rise,
+    Half,
+    Whole,
+    /// Back at the half, the current settles.
+    Back,
+    Along,
+    Across,
+}
+
+/// Sums of a line through what is seen: x is what the current changes by, in A/s; y the voltage for it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Line {
+    count: f32,
+    x: f32,
+    y: f32,
+    xy: f32,
+    yy: f32,
+}
+
+impl Line {
+    fn add(&mut self, x: f32, y: f32) {
+        self.count += 1.0;
+        self.x += x;
+        self.y += y;
+        self.xy += x * y;
+        self.yy += y * y;
+    }
+
+    /// The inductance; the voltage is known better than the change, so it is what is gone by.
+    fn slope(&self) -> f32 {
+        let mean = self.y / self.count;
+        (self.yy - mean * self.y) / (self.xy - mean * self.x)
+    }
+}
+
+/// Where the field stands, in electrical turns.
+pub(super) const fn field(wiring: Wiring) -> f32 {
+    match wiring {
+        Wiring::TwoPhase => 0.125,
+        Wiring::ThreePhase => 0.0,
+    }
+}
+
+/// See the module.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Winding {
+    phase: Phase,
+    /// Cosine and sine of where the field stands.
+    field: (f32, f32),
+    /// Since the phase began, in s.
+    time: f32,
+    /// Along the field and across it.
+    voltage: Rotor,
+    /// V/s for an ampere.
+    gain: f32,
+    /// Sums of voltage and current while they are looked at, and of how many.
+    sums: (f32, f32, f32),
+    /// Where the rotor was as the look began, and since when that is, in s.
+    stood: (i32, f32),
+    half: (f32, f32),
+    /// The square wave: how large, and which period of it.
+    wave: f32,
+    period: u16,
+    /// The least and the greatest current in this wave.
+    swing: (f32, f32),
+    is_grown: bool,
+    /// What was seen at the last period, and the two voltages before.
+    last: f32,
+    voltages: (f32, f32),
+    line: Line,
+}
+
+impl Winding {
+    pub(super) fn new(wiring: Wiring) -> Self {
+        let (sine, cosine) = Angle::from_turns(field(wiring)).sine_cosine();
+        Self {
+            phase: Phase::Rise,
+            field: (cosine, sine),
+            time: 0.0,
+            voltage: Rotor::ZERO,
+            gain: 0.0,
+            sums: (0.0, 0.0, 0.0),
+            stood: (0, 0.0),
+            half: (0.0, 0.0),
+            wave: 0.0,
+            period: 0,
+            swing: (0.0, 0.0),
+            is_grown: false,
+            last: 0.0,
+            voltages: (0.0, 0.0),
+            line: Line::default(),
+        }
+    }
+
+    pub(super) fn run(
+        &mut self,
+        setup: &Setup,
+        (current, bus, position): (Stator, f32, i32),
+        measured: &mut Measured,
+    ) -> Result<Next, Failure> {
+        let most = setup.modulation.most(bus);
+        let (cosine, sine) = self.field;
+        let current = current.from_rotor((sine, cosine));
+        self.time += setup.period;
+        if self.time > 4.0 * WAIT {
+            return Err(Failure::Winding);
+        }
+        match self.phase {
+            Phase::Rise => {
+                self.rise(setup, current, most)?;
+            }
+            Phase::Half => {
+                if let Some(mean) = self.lead(setup, (current, position), 0.5 * setup.current, most)
+                {
+                    self.half = mean;
+                    self.enter(Phase::Whole);
+                }
+            }
+            Phase::Whole => {
+                let whole = self.lead(setup, (current, position), setup.current, most);
+                if let Some((voltage, amperes)) = whole {
+                    let resistance = (voltage - self.half.0) / (amperes - self.half.1);
+                    if !is_within(resistance, 1e-3, 1e3) {
+                        return Err(Failure::Winding);
+                    }
+                    measured.resistance = resistance;
+                    self.enter(Phase::Back);
+                }
+            }
+            Phase::Back => {
+                self.voltage = along(self.half.0);
+                if self.time > LOOK {
+                    self.begin_wave(Phase::Along, current.d, most);
+                }
+            }
+            Phase::Along => {
+                let seen = current.d;
+                if let Some(inductance) = self.shake(setup, seen, most, measured.resistance)? {
+                    measured.inductance_d = inductance;
+                    self.begin_wave(Phase::Across, current.q, most);
+                }
+            }
+            Phase::Across => {
+                let seen = current.q;
+                if let Some(inductance) = self.shake(setup, seen, most, measured.resistance)? {
+                    measured.inductance_q = inductance;
+                    return Ok(Next::Finished);
+                }
+            }
+        }
+        let voltage = self.held_back(setup, current);
+        Ok(Next::Voltage(voltage.beside_stator((sine, cosine))))
+    }
+
+    /// The voltage, less what a current has too much: a rotor that swings into the field drives one.
+    fn held_back(&self, setup: &Setup, current: Rotor) -> Rotor {
+        let most = MOST * setup.current;
+        let size = root(current.square());
+        if size <= most {
+            return self.voltage;
+        }
+        let resistance = self.gain * (1.0 / LED);
+        let excess = HELD_BACK * resistance * (1.0 - most / size);
+        Rotor {
+            d: self.voltage.d - excess * current.d,
+            q: self.voltage.q - excess * current.q,
+        }
+    }
+
+    fn enter(&mut self, phase: Phase) {
+        self.phase = phase;
+        self.time = 0.0;
+        self.sums = (0.0, 0.0, 0.0);
+    }
+
+    /// The voltage grows until half the current flows.
+    fn rise(&mut self, setup: &Setup, current: Rotor, most: f32) -> Result<(), Failure> {
+        let half = 0.5 * setup.current;
+        if current.d >= half {
+            self.gain = LED * self.voltage.d / half;
+            self.enter(Phase::Half);
+            return Ok(());
+        }
+        if self.voltage.d >= 0.95 * most {
+            return Err(Failure::Winding);
+        }
+        let grown = self.voltage.d * (1.0 + setup.period / GROWTH);
+        self.voltage.d = between(grown, FIRST * most, most);
+        Ok(())
+    }
+
+    /// Leads the current. Gives the mean of voltage and current once both have been looked at while the rotor stood, or for as long as that is waited for.
+    fn lead(
+        &mut self,
+        setup: &Setup,
+        (seen, position): (Rotor, i32),
+        wanted: f32,
+        most: f32,
+    ) -> Option<(f32, f32)> {
+        let (stood, since) = self.stood;
+        let away = position.wrapping_sub(stood).wrapping_abs();
+        let waits = self.time < WAIT;
+        let is_led = (seen.d - wanted).abs() < NEAR * wanted;
+        if self.time < SETTLE || !is_led || (away > STANDS && waits) {
+            self.stood = (position, self.time);
+            self.sums = (0.0, 0.0, 0.0);
+        } else {
+            self.sums.0 += self.voltage.d;
+            self.sums.1 += seen.d;
+            self.sums.2 += 1.0;
+        }
+        let is_over = self.time - since > LOOK && self.sums.2 > 0.0;
+        let step = self.gain * setup.period;
+        let d = self.voltage.d + step * (wanted - seen.d);
+        let q = self.voltage.q - step * seen.q;
+        self.voltage = Rotor {
+            d: between(d, -most, most),
+            q: between(q, -most, most),
+        };
+        let by = 1.0 / self.sums.2;
+        is_over.then_some((self.sums.0 * by, self.sums.1 * by))
+    }
+
+    fn begin_wave(&mut self, phase: Phase, seen: f32, most: f32) {
+        self.enter(phase);
+        self.wave = 0.01 * most;
+        self.period = 0;
+        self.swing = (seen, seen);
+        self.is_grown = false;
+        self.last = seen;
+        self.voltages = (0.0, 0.0);
+        self.line = Line::default();
+    }
+
+    /// A period of the square wave. Gives the inductance in the end.
+    fn shake(
+        &mut self,
+        setup: &Setup,
+        seen: f32,
+        most: f32,
+        resistance: f32,
+    ) -> Result<Option<f32>, Failure> {
+        let (before, acting) = self.voltages;
+        if self.is_grown {
+            let change = (seen - self.last) / setup.period;
+            let voltage = 0.5 * (before + acting) - resistance * 0.5 * (seen + self.last);
+            self.line.add(change, voltage);
+            if self.line.count >= f32::from(LOOKED_AT) {
+                let inductance = self.line.slope();
+                return if is_within(inductance, 1e-6, 1.0) {
+                    Ok(Some(inductance))
+                } else {
+                    Err(Failure::Winding)
+                };
+            }
+        }
+        self.last = seen;
+        self.swing = (least(self.swing.0, seen), greatest(self.swing.1, seen));
+        // The first half of a wave is one period long, so that the current swings around where it was.
+        let turn = (self.period + HALF_WAVE / 2) % (2 * HALF_WAVE);
+        let wave = if turn < HALF_WAVE {
+            self.wave
+        } else {
+            -self.wave
+        };
+        self.period += 1;
+        if self.period == 4 * HALF_WAVE {
+            self.period = 0;
+            let swings = self.swing.1 - self.swing.0;
+            let room = 0.9 * most - self.half.0;
+            if !self.is_grown {
+                self.is_grown = swings >= SWING * setup.current || self.wave >= 0.5 * room;
+                if !self.is_grown {
+                    self.wave *= 1.2;
+                }
+            }
+            self.swing = (seen, seen);
+        }
+        let held = self.half.0;
+        let is_along = self.phase == Phase::Along;
+        self.voltage = if is_along {
+            along(held + wave)
+        } else {
+            Rotor { d: held, q: wave }
+        };
+        let given = if is_along { held + wave } else { wave };
+        self.voltages = (acting, given);
+        Ok(None)
+    }
+}
+
+fn least(one: f32, other: f32) -> f32 {
+    if one < other { one } else { other }
+}
+
+fn greatest(one: f32, other: f32) -> f32 {
+    if one > other { one } else { other }
+}
