@@ -11,9 +11,17 @@ const TRIGGERS = [
   ["now", "At once"], ["606C>100", "Movement (606Ch > 100)"], ["6041#10", "Target reached (bit 10)"],
   ["fault", "Fault"], ["own", "Another one ..."],
 ];
+// Edges of a trigger, as `sim scope --trigger` has them.
+const EDGES = {
+  ">": { words: "rises to", trigger: (object, level) => `${object}>${level}` },
+  "<": { words: "falls below", trigger: (object, level) => `${object}<${level}` },
+  "~": { words: "crosses", trigger: (object, level) => `${object}~${level}` },
+  "#1": { words: "has bit … set", trigger: (object, bit) => `${object}#${bit}` },
+  "#0": { words: "has bit … cleared", trigger: (object, bit) => `${object}#${bit}=0` },
+};
 const COLOURS = ["accent-ink", "warn-ink", "bad-ink", "good-ink", "blue-ink", "violet-ink", "quiet-ink", "text-ink"];
 
-const typed = { channels: new Set(["606Ch:00", "6064h:00", "6062h:00", "60F4h:00"]), trigger: "606C>100", own: "6064>1000", divider: "1", samples: "", before: "20" };
+const typed = { channels: new Set(["606Ch:00", "6064h:00", "6062h:00", "60F4h:00"]), trigger: "606C>100", object: "6064h:00", edge: ">", level: "1000", divider: "1", samples: "", before: "20" };
 let parts = null;
 let recording = null;
 let shown = 0;
@@ -42,7 +50,7 @@ function wish() {
   const whole = (text) => (text.trim() === "" ? null : Number(text));
   return {
     channels: choices.map((one) => one.object).filter((object) => typed.channels.has(object)),
-    trigger: typed.trigger === "own" ? typed.own : typed.trigger,
+    trigger: typed.trigger === "own" ? EDGES[typed.edge].trigger(typed.object, typed.level.trim()) : typed.trigger,
     divider: whole(typed.divider), samples: whole(typed.samples), before: typed.trigger === "now" ? null : whole(typed.before),
   };
 }
@@ -349,6 +357,8 @@ function chips() {
     return element("button", { type: "button", class: "chip", "data-object": one.object, "aria-pressed": String(is), onclick: () => want(one.object, !is) }, `${one.object.replace(":00", "")} ${one.name}`);
   });
   parts.chips.replaceChildren(...made, add);
+  parts.object.replaceChildren(...choices.map((one) => element("option", { value: one.object }, `${one.object.replace(":00", "")} ${one.name}`)));
+  parts.object.value = typed.object;
   made.find((chip) => chip.dataset.object === focused)?.focus();
 }
 
@@ -365,7 +375,15 @@ async function choose(drive) {
 export function enter(place) {
   const trigger = element("select", { id: "scope-trigger" }, ...TRIGGERS.map(([value, label]) => element("option", { value }, label)));
   trigger.value = typed.trigger;
-  const own = field("own", "Trigger, as 606C>500 or 6041#10=0");
+  const edge = element("select", { id: "scope-edge" }, ...Object.entries(EDGES).map(([value, { words }]) => element("option", { value }, words)));
+  const object = element("select", { id: "scope-object" });
+  for (const [name, select] of [["edge", edge], ["object", object]]) {
+    select.value = typed[name];
+    select.addEventListener("change", () => { typed[name] = select.value; });
+  }
+  const own = element("div", { class: "fields" },
+    element("label", {}, element("span", {}, "When"), object), element("label", {}, element("span", {}, "Edge"), edge),
+    field("level", "Level or bit", { inputmode: "numeric" }));
   trigger.addEventListener("change", () => {
     typed.trigger = trigger.value;
     visible(own, typed.trigger === "own");
@@ -380,6 +398,7 @@ export function enter(place) {
     span: element("select", { "aria-label": "Live span", id: "live-span" }, ...[1, 2, 5, 10, 30, 60].map((span) => element("option", { value: span }, `${span} s`))),
     pause: button("Pause", () => pause(!parts.paused)),
     chips: element("div", { class: "chips", role: "group", "aria-label": "Channels" }),
+    object,
     words: element("p", { class: "quiet grow", id: "scope-words" }),
     pictures: element("div", { class: "curves", id: "curves", tabindex: 0, role: "group", onkeydown: key, "aria-label": "Curves: the arrow keys move cursor A, with shift cursor B; plus and minus zoom, Home shows all" }),
     cursors: element("tbody", { id: "cursors" }),
@@ -397,10 +416,11 @@ export function enter(place) {
   parts.recorder = element("div", { class: "recorder" },
     parts.chips,
     element("div", { class: "fields" },
-      element("label", {}, element("span", {}, "Trigger"), trigger), own,
+      element("label", {}, element("span", {}, "Trigger"), trigger),
       field("before", "Before the trigger, %", { inputmode: "numeric" }),
       field("divider", "One sample every … control ticks", { inputmode: "numeric" }),
-      field("samples", "Samples", { inputmode: "numeric", placeholder: "all there is room for" })));
+      field("samples", "Samples", { inputmode: "numeric", placeholder: "all there is room for" })),
+    own);
   parts.full = element("div", {},
     element("section", { class: "card" },
       element("h2", {}, "Recorder"),

@@ -87,6 +87,18 @@ def test_a_recording_is_shown_measured_and_kept(start, panel):
         window.click("#csv")
     lines = pathlib.Path(download.value.path()).read_text().splitlines()
     assert lines[0].startswith("time_s,") and len(lines) > 500 and lines[0].count(",") == lines[1].count(",") == 4
+    # A trigger of one's own.
+    window.select_option("#scope-trigger", "own")
+    window.select_option("#scope-object", "6041h:00")
+    window.select_option("#scope-edge", "#1")
+    window.fill("#scope-level", "10")
+    window.fill("#scope-samples", "200")
+    window.click("#record")
+    expect(window.locator("#record")).to_contain_text("Armed")
+    open_page(window, "drive", PAGES[1][1])
+    window.click("#move-by")
+    open_page(window, "scope", "Scope")
+    expect(window.locator("#scope-words")).to_contain_text("Recording 2 of node 4: 200 samples")
     with window.expect_download() as download:
         window.click("#png")
     assert pathlib.Path(download.value.path()).read_bytes().startswith(b"\x89PNG")

@@ -15,4 +15,4 @@ pub use abort::{abort_code, abort_words};
 pub use condense::{Group, condense};
 pub use error_codes::error_words;
 pub use meaning::Interpreter;
-pub use words::{controlword, node_state, statusword};
+pub use words::{controlword, controlword_in, node_state, statusword, statusword_in};

@@ -1,7 +1,24 @@
 //! Controlword and statusword (CiA 402-2) and the state of a node in words.
 
-/// What a statusword says: the state, then the bits that are set.
+/// Profile position (6060h), whose words are meant where the mode is not known.
+const PROFILE_POSITION: i8 = 1;
+
+/// What a statusword says: the state, then the bits that are set, in profile position mode.
 pub fn statusword(word: u16) -> String {
+    statusword_in(word, PROFILE_POSITION)
+}
+
+/// The same in another mode of operation: bits 12 and 13 are the mode's.
+pub fn statusword_in(word: u16, mode: i8) -> String {
+    let (bit_12, bit_13) = match mode {
+        1 => ("set-point acknowledged", "following error"),
+        3 => ("speed is 0", "maximum slippage"),
+        6 => ("homing attained", "homing error"),
+        7 => ("interpolation active", ""),
+        8 | 9 => ("follows the command value", "following error"),
+        10 => ("follows the command value", ""),
+        _ => ("", ""),
+    };
     let state = match word & 0x6F {
         0x21 => "ready to switch on",
         0x23 => "switched on",
@@ -19,14 +36,19 @@ pub fn statusword(word: u16) -> String {
         (7, "warning"),
         (10, "target reached"),
         (11, "internal limit active"),
-        (12, "set-point acknowledged"),
-        (13, "following error"),
+        (12, bit_12),
+        (13, bit_13),
     ];
     named(state, word, &bits)
 }
 
 /// What a controlword commands, in profile position mode.
 pub fn controlword(word: u16) -> String {
+    controlword_in(word, PROFILE_POSITION)
+}
+
+/// The same in another mode of operation: bits 4 to 6 are the mode's.
+pub fn controlword_in(word: u16, mode: i8) -> String {
     let command = match word {
         _ if word & 0x80 != 0 => "fault reset",
         _ if word & 0x02 == 0 => "disable voltage",
@@ -35,12 +57,14 @@ pub fn controlword(word: u16) -> String {
         _ if word & 0x08 == 0 => "switch on",
         _ => "enable operation",
     };
-    let bits = [
-        (4, "new set-point"),
-        (5, "change immediately"),
-        (6, "relative"),
-        (8, "halt"),
-    ];
+    let [bit_4, bit_5, bit_6] = match mode {
+        1 => ["new set-point", "change immediately", "relative"],
+        2 => ["ramp enabled", "ramp unlocked", "ramp input"],
+        6 => ["start homing", "", ""],
+        7 => ["enable interpolation", "", ""],
+        _ => [""; 3],
+    };
+    let bits = [(4, bit_4), (5, bit_5), (6, bit_6), (8, "halt")];
     named(command, word, &bits)
 }
 
@@ -58,7 +82,7 @@ pub fn node_state(state: u8) -> &'static str {
 fn named(first: &str, word: u16, bits: &[(u32, &str)]) -> String {
     let set = bits
         .iter()
-        .filter(|(bit, _)| word >> bit & 1 == 1)
+        .filter(|(bit, name)| word >> bit & 1 == 1 && !name.is_empty())
         .map(|(_, name)| *name);
     let parts: Vec<&str> = std::iter::once(first).chain(set).collect();
     parts.join(", ")
@@ -86,6 +110,36 @@ mod tests {
         assert_eq!(
             statusword(0x1637),
             "operation enabled, target reached, set-point acknowledged"
+        );
+    }
+
+    #[test]
+    fn the_bits_of_a_mode_have_its_names() {
+        let told = |mode, status, control| {
+            let words = [statusword_in(status, mode), controlword_in(control, mode)];
+            words.join(" | ")
+        };
+        let names = [
+            (
+                6,
+                "operation enabled, target reached, homing attained | enable operation, start homing",
+            ),
+            (
+                3,
+                "operation enabled, target reached, speed is 0 | enable operation",
+            ),
+            (
+                8,
+                "operation enabled, target reached, follows the command value | enable operation",
+            ),
+            (4, "operation enabled, target reached | enable operation"),
+        ];
+        for (mode, name) in names {
+            assert_eq!(told(mode, 0x1637, 0x1F), name, "{mode}");
+        }
+        assert_eq!(
+            controlword_in(0x7F, 2),
+            "enable operation, ramp enabled, ramp unlocked, ramp input"
         );
     }
 

@@ -35,9 +35,9 @@ const ENABLED: u16 = 0x0F;
 const ACKNOWLEDGED: u16 = 1 << 12;
 
 /// Modes of operation.
-const PROFILE_POSITION: i8 = 1;
+pub(super) const PROFILE_POSITION: i8 = 1;
 const PROFILE_VELOCITY: i8 = 3;
-const HOMING: i8 = 6;
+pub(super) const HOMING: i8 = 6;
 
 /// A stop is for the drive that is open: of another one the panel has given nothing power.
 const NOTHING_STOPPED: &str =

@@ -6,7 +6,7 @@ use master::Failure;
 use master::Line;
 use master::axis402::{self, Description, Group, Node, Problem};
 use master::data_sheet::{Address, DataSheet};
-use od_gen::model::{Commissioning, FileKind};
+use od_gen::model::{Commissioning, DefaultValue, FileKind};
 use od_gen::{Model, Report, dcf, transfer};
 
 use super::Session;
@@ -36,11 +36,18 @@ impl<L: Line> Session<L> {
     /// Everything that belongs to a configuration.
     pub(super) fn dump(&mut self, id: u8) -> Result<Answer, Problem> {
         let node = self.node(id)?;
-        let mut model = self.without_guard(id, |session| {
-            let (result, _) =
-                session.with_words(|master, console| axis402::dump(master, &node, false, console));
-            result
-        })?;
+        let (result, _) =
+            self.with_words(|master, console| axis402::dump(master, &node, false, console));
+        let mut model = result?;
+        if let Some((address, before)) = self.guarded_entry(id) {
+            let objects = model.objects.iter_mut();
+            let entries = objects
+                .filter(|object| object.index == address.index)
+                .flat_map(|object| &mut object.entries);
+            for entry in entries.filter(|entry| entry.sub == address.sub) {
+                entry.configured = Some(DefaultValue::number(before.into()));
+            }
+        }
         let name = format!("node-{id}.dcf");
         let kbit = self.setup.bit_rate.unwrap_or_default() / 1_000;
         let commissioning = Commissioning {
@@ -93,15 +100,9 @@ impl<L: Line> Session<L> {
         self.sheets.insert(id, Arc::clone(&sheet));
         let node = Node { sheet, ..node };
         self.nodes.insert(id, node.clone());
-        if self
-            .chosen
-            .as_ref()
-            .is_some_and(|chosen| chosen.node.id == id)
-        {
-            self.live = None;
-        }
         if let Some(chosen) = self.chosen.as_mut().filter(|chosen| chosen.node.id == id) {
             chosen.learn(node);
+            self.live = None;
         }
         Ok(Answer::Text(said))
     }
@@ -110,11 +111,7 @@ impl<L: Line> Session<L> {
     pub(super) fn compare(&mut self, id: u8, name: &str, text: &str) -> Result<Answer, Problem> {
         let node = self.node(id)?;
         let model = configuration(name, text)?;
-        self.without_guard(id, |session| session.differences(&node, &model))
-    }
-
-    fn differences(&mut self, node: &Node, model: &Model) -> Result<Answer, Problem> {
-        let id = node.id;
+        let guarded = self.guarded_entry(id);
         let mut differences = Vec::new();
         for (object, entry) in model.entries() {
             let Some(wanted) = &entry.configured else {
@@ -125,6 +122,14 @@ impl<L: Line> Session<L> {
             let shown = |bytes: &[u8]| shown(address, bytes, Some(entry.data_type));
             let here = match node.upload(&mut self.master, address) {
                 Ok(bytes) if bytes == wanted => continue,
+                // The panel's own is no part of the configuration: what it puts back counts.
+                Ok(_) if guarded.is_some_and(|(entry, _)| entry == address) => {
+                    let before = guarded.map_or(0, |(_, before)| before).to_le_bytes();
+                    if before.as_slice() == wanted {
+                        continue;
+                    }
+                    shown(&before)
+                }
                 Ok(bytes) => shown(&bytes),
                 Err(failure @ Failure::Abort { .. }) => {
                     Problem::with_node(id, failure).line().unwrap_or_default()

@@ -6,7 +6,6 @@ use master::data_sheet::Address;
 use master::{Failure, Line};
 
 use super::Session;
-use super::poll::Chosen;
 use crate::message::Guard;
 
 /// The drive counts the panel as lost after this silence, in milliseconds: five heartbeats.
@@ -111,14 +110,20 @@ impl<L: Line> Session<L> {
         Ok(())
     }
 
-    /// Does something with the whole configuration of a node. The entry of the panel is no part of it: it is out meanwhile.
+    /// The entry of 1016h that the panel has at a node, and what it puts back there.
+    pub(super) fn guarded_entry(&self, id: u8) -> Option<(Address, u32)> {
+        let chosen = self.chosen.as_ref().filter(|chosen| chosen.node.id == id)?;
+        let Guarding { sub, before } = chosen.guarding?;
+        Some((Address::new(0x1016, sub), before))
+    }
+
+    /// Writes or stores the configuration of a node. The entry of the panel is no part of it: it is out meanwhile.
     pub(super) fn without_guard<T>(
         &mut self,
         id: u8,
         work: impl FnOnce(&mut Self) -> Result<T, Problem>,
     ) -> Result<T, Problem> {
-        let is_guarded = |chosen: &Chosen| chosen.node.id == id && chosen.guarding.is_some();
-        if !self.chosen.as_ref().is_some_and(is_guarded) {
+        if self.guarded_entry(id).is_none() {
             return work(self);
         }
         self.put_guard_back();

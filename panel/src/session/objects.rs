@@ -53,9 +53,22 @@ impl<L: Line> Session<L> {
 pub(super) fn shown(address: Address, bytes: &[u8], data_type: Option<DataType>) -> String {
     let known = data_type.and_then(|data_type| transfer::value(bytes, data_type));
     match known {
+        Some(DefaultValue::Number { value, .. }) if is_identifier(address) => {
+            format!("0x{value:03X}")
+        }
         Some(value) if is_decimal(address, &value) => decimal(&value),
         _ => value::text(address, bytes, data_type),
     }
+}
+
+/// Whether it is a COB-ID (CiA 301): those are told apart by their bits.
+fn is_identifier(address: Address) -> bool {
+    matches!(
+        (address.index, address.sub),
+        (0x1005 | 0x1012 | 0x1014, 0)
+            | (0x1200..=0x12FF, 1 | 2)
+            | (0x1400..=0x15FF | 0x1800..=0x19FF, 1)
+    )
 }
 
 /// Numbers of the application are read as decimal; those of the communication are identifiers and bits.

@@ -5,10 +5,11 @@ use std::collections::BTreeSet;
 use canopen::{Duration, Instant};
 use master::axis402::{Node, Problem};
 use master::data_sheet::{Address, DataSheet};
-use master::trace::{controlword, error_words, statusword};
+use master::trace::{controlword_in, error_words, statusword_in};
 use master::{Failure, Line};
 
 use super::Session;
+use super::drive::{HOMING, PROFILE_POSITION};
 use super::guard::Guarding;
 use super::scope::has_recorder;
 use crate::fsa::{DriveState, MODES};
@@ -29,7 +30,12 @@ const ALWAYS: [Watched; 3] = [
         let word = word as u16;
         drive.state = DriveState::of(word);
         drive.transitions = drive.state.map(DriveState::transitions).unwrap_or_default();
-        drive.statusword = Some(shown(word, statusword(word)));
+        let mode = drive.mode.unwrap_or(PROFILE_POSITION);
+        drive.statusword = Some(shown(word, statusword_in(word, mode)));
+        match drive.mode {
+            Some(HOMING) => drive.tell("Homing", homing(word).to_owned()),
+            _ => drive.values.retain(|(name, _)| *name != "Homing"),
+        }
     }),
     Watched::new(0x6064, 0, |drive, value| drive.position = Some(value)),
     Watched::new(0x606C, 0, |drive, value| drive.velocity = Some(value)),
@@ -51,7 +57,8 @@ const IN_TURN: [Watched; 15] = [
     }),
     Watched::new(0x6040, 0, |drive, word| {
         let word = word as u16;
-        drive.controlword = Some(shown(word, controlword(word)));
+        let mode = drive.mode.unwrap_or(PROFILE_POSITION);
+        drive.controlword = Some(shown(word, controlword_in(word, mode)));
     }),
     Watched::new(0x6062, 0, |drive, value| drive.demand = Some(value)),
     Watched::new(0x6081, 0, |drive, value| {
@@ -128,6 +135,19 @@ fn shown(word: u16, words: String) -> Word {
     Word {
         number: format!("{word:04X}h"),
         words,
+    }
+}
+
+/// How far homing is: bits 10, 12 and 13 of the statusword (CiA 402-2, homing mode).
+fn homing(statusword: u16) -> &'static str {
+    let bit = |place: u16| statusword >> place & 1 == 1;
+    match (bit(13), bit(12), bit(10)) {
+        (true, _, false) => "error, still moving",
+        (true, _, true) => "error, stands",
+        (false, true, true) => "done",
+        (false, true, false) => "found, on the way there",
+        (false, false, false) => "under way",
+        (false, false, true) => "not begun, or interrupted",
     }
 }
 
@@ -423,6 +443,9 @@ mod tests {
         assert_eq!(inputs(0), "00000000h");
         assert_eq!(outputs(0x0004_0001), "00040001h, brake applied, output 3");
         assert_eq!(outputs(0), "00000000h, brake released");
+        assert_eq!(homing(0x1637), "done");
+        assert_eq!(homing(0x0237), "under way");
+        assert_eq!(homing(0x2637), "error, stands");
         assert_eq!(limit(-5, i64::from(i32::MIN)), "-5");
         assert_eq!(limit(i64::from(i32::MIN), i64::from(i32::MIN)), "no limit");
     }

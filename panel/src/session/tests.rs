@@ -336,6 +336,8 @@ fn nothing_of_a_fresh_drive_is_marked_as_changed() {
     }
     assert!(compared > 200, "{compared}");
     assert_eq!(changed, [""; 0]);
+    assert_eq!(bench.done(read("1400:1")), "0x204");
+    assert_eq!(bench.done(read("1800:1")), "0x40000184");
 }
 
 #[test]

@@ -68,4 +68,25 @@ fn homing_is_set_up_as_it_is_drawn() {
         (Switch::HomeMiddle, 1, -1, 1, false)
     );
     assert_eq!(bench.done(read("6098")), "24");
+    bench.done(Order::Enable);
+    bench.done(go(1_000, None));
+    bench.run_for(2_000);
+    bench.done(Order::SetHoming {
+        method: 37,
+        fast: 2_000,
+        slow: 200,
+        acceleration: 50_000,
+    });
+    let told = |bench: &Bench| {
+        let mut values = bench.drive().values.iter();
+        let found = values.find(|(name, _)| *name == "Homing");
+        found.map(|(_, text)| text.clone())
+    };
+    assert_eq!(told(&bench), None);
+    bench.done(Order::Home);
+    bench.run_for(1_000);
+    assert_eq!(bench.drive().position, Some(0));
+    assert_eq!(told(&bench).as_deref(), Some("done"));
+    let words = bench.drive().statusword.clone().unwrap().words;
+    assert_eq!(words, "operation enabled, target reached, homing attained");
 }
