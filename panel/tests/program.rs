@@ -264,6 +264,18 @@ fn a_lost_window_ends_its_jog_and_a_closed_panel_stops() {
 }
 
 #[test]
+fn a_window_that_answers_nothing_is_closed() {
+    let panel = Panel::with_virtual_drive(&[]);
+    // It reads nothing, so it answers no ping: its cable may be out.
+    let _silent = panel.open();
+    let mut watcher = panel.open();
+    let first = watcher.next("writer");
+    assert!(first["window"].is_number(), "{first}");
+    let second = watcher.next("writer");
+    assert!(second["window"].is_null(), "{second}");
+}
+
+#[test]
 fn only_its_own_pages_are_heard() {
     let panel = Panel::with_virtual_drive(&["--read-only"]);
     let status = |result: Result<Window, Error>| match result {
