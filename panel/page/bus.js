@@ -55,6 +55,12 @@ function row(node) {
     emergencies: element("ul", { class: "emergencies" }),
     open: element("button", { type: "button", class: "primary", "data-writes": true, "data-node": node.id, onclick: () => open(node.id) }, "Open drive"),
   };
+  const other = element("input", { type: "number", min: 1, max: 127, "aria-label": `New node-ID of node ${node.id}` });
+  const keeps = element("input", { type: "checkbox", checked: true });
+  const renumber = () => {
+    if (other.value === "") toast("A node-ID is needed");
+    else attempt(order("renumber", { node: node.id, to: Number(other.value), store: keeps.checked }));
+  };
   made.root = element("article", { class: "card node" },
     element("div", { class: "node-number" }, String(node.id)),
     element("div", { class: "node-words" },
@@ -65,7 +71,12 @@ function row(node) {
       made.open,
       element("a", { class: "button", href: `#objects/${node.id}` }, "Objects"),
       element("button", { type: "button", "data-writes": true, onclick: () => attempt(order("save", { node: node.id })) }, "Save parameters"),
-      element("details", {}, element("summary", {}, "NMT"), element("div", { class: "line" }, ...nmtButtons(node.id)))));
+      element("details", {}, element("summary", {}, "NMT, node-ID"),
+        element("div", { class: "line" }, ...nmtButtons(node.id)),
+        element("div", { class: "fields renumber" },
+          element("label", { class: "narrow" }, element("span", {}, "New node-ID"), other),
+          element("label", { class: "check" }, keeps, element("span", {}, "The device stores it")),
+          element("button", { type: "button", class: "renumber-button", "data-writes": true, onclick: renumber }, "Change")))));
   return made;
 }
 

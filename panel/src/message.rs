@@ -68,6 +68,15 @@ pub enum Order {
         /// Whether they store it.
         store: bool,
     },
+    /// Give a device that has a node-ID another one.
+    Renumber {
+        /// The one that it has.
+        node: u8,
+        /// The one that it gets.
+        to: u8,
+        /// Whether it stores it.
+        store: bool,
+    },
     /// Show this node on the page of the drive.
     Choose {
         /// Its node-ID.

@@ -219,6 +219,13 @@ def test_a_configuration_is_saved_compared_and_loaded(start, panel, tmp_path):
     expect(window.locator("#differ")).to_have_text("1 value is not as node-4.dcf says:")
     choose("#load")
     expect(window.locator("#differ")).to_have_text("Node 4 is as node-4.dcf says.")
+    # The same device with another number.
+    open_page(window, "bus", "Bus")
+    window.click("text=NMT, node-ID")
+    window.get_by_label("New node-ID of node 4").fill("7")
+    window.click(".renumber-button")
+    expect(window.locator(".toast.good").last).to_have_text("node 4 is node 7 now")
+    expect(window.locator(".node-number")).to_have_text(["7"])
 
 
 def test_homing_is_drawn_and_set_up(start, panel):

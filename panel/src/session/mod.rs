@@ -256,6 +256,7 @@ impl<L: Line> Session<L> {
         match order {
             Order::Scan => self.scan(),
             Order::Number { first, store } => self.number(*first, *store),
+            Order::Renumber { node, to, store } => self.renumber(*node, *to, *store),
             Order::Choose { node } => self.choose(*node),
             Order::Nmt { command, node } => self.nmt((*command).into(), *node),
             Order::Save { node } => self.save(*node),

@@ -3,10 +3,12 @@
 use std::io::{self, Write};
 use std::sync::Arc;
 
-use canopen::{BitRate, Duration};
-use master::axis402::{self, BitRateSwitch, Console, Description, Node, Numbering, Problem};
+use canopen::{BitRate, Duration, NodeId};
+use master::axis402::{
+    self, BitRateSwitch, Console, Description, Node, Numbering, Problem, Setting,
+};
 use master::data_sheet::{Address, DataSheet};
-use master::{Failure, Line, NmtCommand};
+use master::{Failure, Identity, Line, NmtCommand};
 
 use super::pdos::Words;
 use super::{Outlet, Session, json};
@@ -26,6 +28,9 @@ const ASKED: u8 = 3;
 
 /// The silence before and after a switch of the bit rate.
 const SWITCH_DELAY: Duration = Duration::from_ticks(500_000);
+
+/// How long a device may take to boot.
+const BOOT_TIME: Duration = Duration::from_ticks(500_000);
 
 /// Remarks of a command that are told.
 const REMARKS: usize = 8;
@@ -115,6 +120,46 @@ impl<L: Line> Session<L> {
         Ok(Answer::Text(
             told.lines().last().unwrap_or_default().to_owned(),
         ))
+    }
+
+    /// Another node-ID for a device that has one: LSS finds it by its identity, and its communication is reset.
+    pub(super) fn renumber(&mut self, id: u8, to: u8, store: bool) -> Result<Answer, Problem> {
+        // 255 would take its node-ID away.
+        let node_id = NodeId::new(to).filter(|_| to <= 127);
+        let node_id = node_id.ok_or_else(|| Problem::Usage("a node-ID is 1 to 127".to_owned()))?;
+        if to == self.setup.own_node || self.traffic.node(to).is_some() {
+            return Err(Problem::Usage(format!("node-ID {to} is taken")));
+        }
+        let identity = Description::ask(&mut self.master, id)?.identity;
+        let [Some(vendor), Some(product), Some(revision), Some(serial)] = identity else {
+            let text = format!("node {id} does not tell its whole identity (1018h)");
+            return Err(Problem::Failed(text));
+        };
+        if self
+            .chosen
+            .as_ref()
+            .is_some_and(|chosen| chosen.node.id == id)
+        {
+            self.leave_drive();
+            (self.chosen, self.live) = (None, None);
+        }
+        let setting = Setting {
+            device: Some(Identity::from([vendor, product, revision, serial])),
+            node_id: Some(node_id),
+            bit_rate: None,
+            store,
+        };
+        self.with_console(|master, console| axis402::set(master, setting, console))?;
+        self.master.nmt(NmtCommand::ResetCommunication, id);
+        self.master.wait(BOOT_TIME)?;
+        if let Some(sheet) = self.sheets.remove(&id) {
+            self.sheets.insert(to, sheet);
+        }
+        self.scan()?;
+        match self.traffic.node(to) {
+            Some(_) => Ok(Answer::Text(format!("node {id} is node {to} now"))),
+            None => Err(Problem::Failed(format!("node {to} was not heard"))),
+        }
     }
 
     pub(super) fn nmt(&mut self, command: NmtCommand, node: u8) -> Result<Answer, Problem> {

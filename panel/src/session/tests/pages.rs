@@ -397,6 +397,43 @@ fn the_whole_bus_goes_to_another_bit_rate_and_all_are_there() {
 }
 
 #[test]
+fn a_node_gets_another_number_and_keeps_it() {
+    let (mut bench, _) = Bench::with(DriveSetup::with_node_id(1, NODE), false);
+    bench
+        .bus()
+        .attach(Axis402::new(DriveSetup::with_node_id(2, 5)));
+    bench.run_for(100);
+    bench.done(Order::Scan);
+    bench.done(Order::Choose { node: NODE });
+    bench.done(Order::Enable);
+    let order = |to| Order::Renumber {
+        node: NODE,
+        to,
+        store: true,
+    };
+    assert_eq!(bench.refused(order(5)), "node-ID 5 is taken");
+    assert_eq!(bench.refused(order(127)), "node-ID 127 is taken");
+    for wrong in [0, 128, 255] {
+        assert_eq!(bench.refused(order(wrong)), "a node-ID is 1 to 127");
+    }
+    assert_eq!(bench.done(order(9)), "node 4 is node 9 now");
+    // It was not left with power, and the other one is as it was.
+    assert!(bench.session.state().drive.is_none());
+    bench.done(Order::Choose { node: 9 });
+    assert_eq!(bench.drive_state(), Some(DriveState::SwitchOnDisabled));
+    // Stored: it is so after a reset too.
+    bench.done(Order::Nmt {
+        command: crate::message::NmtOrder::Reset,
+        node: 9,
+    });
+    bench.run_for(500);
+    assert_eq!(bench.done(Order::Scan), "2 nodes");
+    let nodes = &bench.session.state().nodes;
+    let ids: Vec<_> = nodes.iter().map(|node| node.id).collect();
+    assert_eq!(ids, [5, 9]);
+}
+
+#[test]
 fn devices_without_a_node_id_are_found_and_left_as_they_are() {
     let (mut bench, _) = Bench::with(DriveSetup::unconfigured(0xC0FFEE), false);
     let said = bench.done(Order::Find);
