@@ -1,5 +1,6 @@
 //! The session with a virtual drive, on virtual time: what windows order, and what the bus sees.
 
+mod bus;
 mod modes;
 mod pages;
 mod safety;
