@@ -34,7 +34,7 @@ fn what_is_said_about_each_is_what_a_careful_reader_says() {
 #[test]
 fn every_tool_works_on_each() {
     let files = files();
-    assert_eq!(files.len(), 35);
+    assert_eq!(files.len(), 36);
     for file in files {
         let report = Report::read(&file).unwrap();
         let name = file.display().to_string();
@@ -149,6 +149,18 @@ fn check_puts_right_what_is_plain() {
     );
     let again = od_gen(&["check", "--fix", name]);
     assert_eq!((again.status.code(), text(&again.stderr)), (Some(0), ""));
+    // Either the number is wrong, or the names of the sections: nobody can tell.
+    let counted = "tests/data/makers/counted_on.eds";
+    let said = od_gen(&["check", counted]);
+    let advice =
+        "write DefaultValue=17, or name the sections in hexadecimal: [2000subB] is sub-index 11";
+    assert!(text(&said.stdout).contains(advice), "{said:?}");
+    std::fs::copy(counted, &file).unwrap();
+    assert_eq!(od_gen(&["check", "--fix", name]).status.code(), Some(0));
+    assert_eq!(
+        std::fs::read(counted).unwrap(),
+        std::fs::read(&file).unwrap()
+    );
 }
 
 #[test]

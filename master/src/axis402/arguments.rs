@@ -87,6 +87,7 @@ pub(super) enum Command {
     Od(Od),
     /// Let a node save its parameters (1010h)
     Save {
+        /// The node-ID of the device
         #[arg(value_parser = node)]
         node: u8,
         /// Which of them
@@ -107,6 +108,7 @@ pub(super) enum Command {
     },
     /// Show the traffic with its meaning; of the nodes that are named, PDOs by name
     Monitor {
+        /// Node-IDs of devices whose PDOs are told by name
         #[arg(value_parser = node)]
         nodes: Vec<u8>,
         #[command(flatten)]
@@ -162,6 +164,7 @@ pub(super) enum Lss {
     },
     /// Set node-ID or bit rate of one device: the only one on the bus, or that with an identity
     Set {
+        /// The new node-ID, 1 to 127
         #[arg(long, value_name = "N", value_parser = node_id, required_unless_present = "rate")]
         node_id: Option<NodeId>,
         /// The bit rate from the next power-on, in kbit/s
@@ -206,6 +209,7 @@ pub(super) struct Scan {
 pub(super) enum Od {
     /// Read objects
     Read {
+        /// The node-ID of the device
         #[arg(value_parser = node)]
         node: u8,
         /// INDEX, INDEX:SUB in hexadecimal, or a name of the data sheet
@@ -225,6 +229,7 @@ pub(super) enum Od {
     },
     /// Write an object
     Write {
+        /// The node-ID of the device
         #[arg(value_parser = node)]
         node: u8,
         /// INDEX, INDEX:SUB in hexadecimal, or a name of the data sheet
@@ -244,6 +249,7 @@ pub(super) enum Od {
     },
     /// Read every object of the data sheet
     Dump {
+        /// The node-ID of the device
         #[arg(value_parser = node)]
         node: u8,
         /// Write the configuration into this file instead, for `od load`
@@ -254,6 +260,7 @@ pub(super) enum Od {
     },
     /// Write the configuration that a DCF holds
     Load {
+        /// The node-ID of the device
         #[arg(value_parser = node)]
         node: u8,
         #[arg(value_name = "FILE.dcf")]

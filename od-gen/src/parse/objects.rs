@@ -414,8 +414,12 @@ fn check_sub_0(
     if let Some(last) = last.filter(|last| last.sub != 0) {
         finding.also(last.places.section, "the highest sub-index");
     }
+    // Names of sections are hexadecimal: somebody who counts on after sub9 with sub10 has 16.
+    let is_decimal = format!("{highest:X}") == default.to_string();
     finding.help(if default > i128::from(highest) {
         format!("write DefaultValue={highest}, or describe the sub-indices up to {default}")
+    } else if is_decimal {
+        format!("write DefaultValue={highest}, or name the sections in hexadecimal: [{index:04X}sub{default:X}] is sub-index {default}")
     } else {
         format!("write DefaultValue={highest}")
     });
