@@ -243,6 +243,38 @@ mod tests {
     }
 
     #[test]
+    fn a_limit_may_be_reached_and_not_passed() {
+        for bit_rate in BitRate::ALL {
+            let timing = |limits: &Limits| Timing::new(36_000_000, bit_rate, limits);
+            let best = timing(&Limits::BXCAN).unwrap();
+            let reached = Limits {
+                prescaler: best.prescaler,
+                segment_1: best.segment_1,
+                segment_2: best.segment_2,
+                jump: best.jump,
+            };
+            assert_eq!(timing(&reached), Some(best), "{bit_rate:?}");
+            let passed = [
+                Limits {
+                    prescaler: best.prescaler - 1,
+                    ..reached
+                },
+                Limits {
+                    segment_1: best.segment_1 - 1,
+                    ..reached
+                },
+                Limits {
+                    segment_2: best.segment_2 - 1,
+                    ..reached
+                },
+            ];
+            for limits in passed {
+                assert_ne!(timing(&limits), Some(best), "{bit_rate:?}, {limits:?}");
+            }
+        }
+    }
+
+    #[test]
     fn a_clock_that_makes_no_bit_rate_reaches_none() {
         for clock in [0, 1, 999_983, 42_000_001] {
             for bit_rate in DETECTABLE {

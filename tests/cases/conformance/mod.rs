@@ -67,6 +67,11 @@ macro_rules! devices {
             }
 
             #[test]
+            fn requests_out_of_turn_are_refused() {
+                objects::are_read_in_turn(&read($sheet), &mut $device);
+            }
+
+            #[test]
             fn each_transmission_type_is_taken_or_refused() {
                 process_data::types_are_those_of_the_standard(&read($sheet), &mut $device);
             }
@@ -74,6 +79,11 @@ macro_rules! devices {
             #[test]
             fn each_synchronous_type_is_sent_when_it_is_due() {
                 process_data::is_sent_by_sync(&read($sheet), &mut $device);
+            }
+
+            #[test]
+            fn event_driven_types_keep_their_times() {
+                process_data::is_sent_by_event(&read($sheet), &mut $device);
             }
 
             #[test]

@@ -13,6 +13,8 @@ const READ_ONLY: u32 = 0x0601_0002;
 const WRITE_ONLY: u32 = 0x0601_0001;
 const IN_USE: u32 = 0x0601_0000;
 /// Of objects in a mapping.
+const NOT_ALTERNATED: u32 = 0x0503_0000;
+const UNKNOWN_COMMAND: u32 = 0x0504_0001;
 const TOO_MANY: u32 = 0x0604_0042;
 const TOO_LONG: u32 = 0x0607_0012;
 const TOO_SHORT: u32 = 0x0607_0013;
@@ -178,6 +180,33 @@ fn is_valid(sheet: &Model, index: u16) -> bool {
 fn count(sheet: &Model, index: u16) -> i128 {
     let count = sheet.entry(index, 0).and_then(Entry::default_number);
     count.unwrap_or(0)
+}
+
+/// A segment without a transfer, a command that there is none of, and a toggle bit that does not toggle, which ends its transfer.
+pub fn are_read_in_turn<S: Station>(sheet: &Model, line: &mut Line<S>) {
+    for command in [0x00, 0x10, 0x60, 0x70, 0xE0, 0xFF] {
+        let refused = line.ask([command, 0, 0x10, 0, 0, 0, 0, 0]);
+        assert_eq!(refused, Err(UNKNOWN_COMMAND), "{command:02X}h");
+    }
+    let mut tried = 0;
+    for (object, entry) in sheet.entries().filter(|(_, entry)| is_for_reading(entry)) {
+        let (index, sub) = (object.index, entry.sub);
+        if line.try_read(index, sub).is_ok_and(|value| value.len() > 4) {
+            let [low, high] = index.to_le_bytes();
+            assert!(line.ask([0x40, low, high, sub, 0, 0, 0, 0]).is_ok());
+            let what = format!("{index:04X}h:{sub:02X}");
+            for (command, code) in [(0x70, NOT_ALTERNATED), (0x60, UNKNOWN_COMMAND)] {
+                let refused = line.ask([command, 0, 0, 0, 0, 0, 0, 0]);
+                assert_eq!(refused, Err(code), "{what}");
+            }
+            tried += 1;
+        }
+    }
+    // The I/O device has nothing that is longer than a frame.
+    let has_text = sheet
+        .entries()
+        .any(|(_, entry)| entry.data_type == DataType::VisibleString);
+    assert_eq!(tried > 0, has_text);
 }
 
 /// Every value that was read is taken back, whichever way a master writes it, and is read again.

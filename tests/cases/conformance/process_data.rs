@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use canopen::Duration;
+use canopen::{Duration, Frame};
 use master::bus::Station;
 use od_gen::DataType;
 use od_gen::model::{Entry, Model};
@@ -163,6 +163,96 @@ pub fn is_sent_by_sync<S: Station>(sheet: &Model, line: &mut Line<S>) {
             );
         }
     }
+}
+
+/// Two values of an object that a transmit PDO may carry, that an SDO changes and nothing else: the first that is found.
+fn changing_object<S: Station>(
+    sheet: &Model,
+    line: &mut Line<S>,
+) -> Option<(u16, u8, [Vec<u8>; 2])> {
+    let mut entries = sheet.entries().filter(|(_, entry)| {
+        entry.is_tpdo_mappable() && entry.access.is_writable() && entry.access.is_readable()
+    });
+    entries.find_map(|(object, entry)| {
+        let (index, sub) = (object.index, entry.sub);
+        let value = line.try_read(index, sub).ok()?;
+        let mut other = value.clone();
+        *other.first_mut()? ^= 1;
+        line.try_write(index, sub, &other).ok()?;
+        let is_kept = value.len() <= 4 && line.read(index, sub) == other;
+        is_kept.then_some((index, sub, [value, other]))
+    })
+}
+
+/// Types 254 and 255: by the event timer, and by each change, but no sooner than the inhibit time is over.
+pub fn is_sent_by_event<S: Station>(sheet: &Model, line: &mut Line<S>) {
+    switch_all_off(sheet, line);
+    let changing = changing_object(sheet, line);
+    let object = match &changing {
+        Some((index, sub, _)) => {
+            let entry = sheet.entry(*index, *sub).expect("it was found");
+            mapping(*index, entry)
+        }
+        None => still_object(sheet),
+    };
+    for transmission_type in [254, 255] {
+        let try_times = |inhibit_time: u16, event_timer: u16, line: &mut Line<S>| {
+            line.send(&format!("000 [2] 80 {NODE:02X}"));
+            map(
+                sheet,
+                line,
+                TRANSMIT,
+                TRANSMIT_ID | NO_REMOTE,
+                object,
+                transmission_type,
+            );
+            line.write_u32(TRANSMIT, 1, TRANSMIT_ID | NO_REMOTE | INVALID);
+            line.write_u16(TRANSMIT, 3, inhibit_time);
+            line.write_u16(TRANSMIT, 5, event_timer);
+            line.write_u32(TRANSMIT, 1, TRANSMIT_ID | NO_REMOTE);
+            line.send(&format!("000 [2] 01 {NODE:02X}"));
+            assert_eq!(count(line, 2_000), 1, "on entering Operational");
+        };
+        let what = format!("type {transmission_type}");
+        try_times(0, 50, line);
+        assert_eq!(count(line, 500_000), 10, "{what}, each 50 ms");
+        try_times(0, 0, line);
+        assert_eq!(count(line, 500_000), 0, "{what}, no timer");
+        let Some((index, sub, values)) = &changing else {
+            continue;
+        };
+        for (inhibit_time, least, most) in [(0, 100, 100), (100, 9, 11)] {
+            try_times(inhibit_time, 0, line);
+            let mut sent = 0;
+            for change in 1..=100 {
+                let value = &values[(change + 1) % 2];
+                let [low, high] = index.to_le_bytes();
+                let mut request = [
+                    0x23 | (4 - value.len() as u8) << 2,
+                    low,
+                    high,
+                    *sub,
+                    0,
+                    0,
+                    0,
+                    0,
+                ];
+                request[4..4 + value.len()].copy_from_slice(value);
+                line.queue_frame(Frame::data_frame(0x600 + u16::from(NODE), &request));
+                sent += count(line, 1_000);
+            }
+            sent += count(line, 20_000);
+            assert!(
+                (least..=most).contains(&sent),
+                "{what}, inhibit time {inhibit_time}: {sent}"
+            );
+        }
+    }
+    // A device whose values nobody writes, as its inputs, has its timer alone.
+    let has_outputs = sheet
+        .entries()
+        .any(|(_, entry)| entry.is_tpdo_mappable() && entry.access.is_writable());
+    assert_eq!(changing.is_some(), has_outputs);
 }
 
 /// Bit 30 of the COB-ID says whether a remote frame is answered; types 252 and 253 live on them, whatever it says.

@@ -3,7 +3,7 @@
 
 use core::marker::PhantomData;
 
-use super::{Attributes, Dictionary, Entry, Location, Table, raw};
+use super::{Attributes, Dictionary, Entry, Location, Table, key, raw};
 
 /// One object of the dictionary `D`.
 struct Fixed<D, const INDEX: u16, const SUB: u8>(PhantomData<D>);
@@ -34,8 +34,10 @@ impl Table {
     pub(crate) const fn is_written(&self, first: u16, last: u16) -> bool {
         let mut entries = self.entries;
         while let [entry, rest @ ..] = entries {
-            let is_one = entry.index >= first && entry.index <= last;
-            if is_one && entry.attributes.has(Attributes::WRITE) {
+            if entry.index > last {
+                return false;
+            }
+            if entry.index >= first && entry.attributes.has(Attributes::WRITE) {
                 return true;
             }
             entries = rest;
@@ -47,8 +49,13 @@ impl Table {
     const fn entry(&self, index: u16, sub: u8) -> Option<&'static Entry> {
         let mut entries = self.entries;
         while let [entry, rest @ ..] = entries {
-            if entry.index == index && entry.sub == sub {
-                return Some(entry);
+            // In order: most objects of a large dictionary are behind those that are asked for.
+            if entry.key() >= key(index, sub) {
+                return if entry.key() == key(index, sub) {
+                    Some(entry)
+                } else {
+                    None
+                };
             }
             entries = rest;
         }
