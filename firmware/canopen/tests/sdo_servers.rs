@@ -24,6 +24,23 @@ fn second(frame: &str) -> String {
 }
 
 #[test]
+fn c04_nobody_else_sends_the_answers_of_either_server() {
+    let mut device = with_second_server();
+    for (answer, told) in [
+        (
+            "584: 43 00 10 00 92 01 02 00",
+            "084: 50 81 11 84 05 00 00 00",
+        ),
+        (
+            "684: 43 00 10 00 92 01 02 00",
+            "084: 50 81 11 84 06 00 00 00",
+        ),
+    ] {
+        assert_eq!(device.ask(answer), [told]);
+    }
+}
+
+#[test]
 fn s38_restricted_identifiers_are_refused() {
     let restricted = [
         0x000, 0x001, 0x07F, 0x101, 0x180, 0x581, 0x584, 0x5FF, 0x601, 0x604, 0x605, 0x67F, 0x6E0,
