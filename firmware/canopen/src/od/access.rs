@@ -84,6 +84,7 @@ impl Table {
     }
 
     /// The entries of the objects in a range of indices, in ascending order.
+    #[inline(never)]
     pub fn range(&self, indices: RangeInclusive<u16>) -> &'static [Entry] {
         let start = self
             .entries
