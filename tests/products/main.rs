@@ -1,9 +1,21 @@
 //! The drives of other makers: their motors move, the worked sequences of their manuals play, and each capability has what shows it.
 
+/// Tests of what several products promise: a function for each, and the products that do.
+macro_rules! promises {
+    ($($what:ident: $($product:ident)*;)*) => {$(
+        #[test]
+        fn $what() {
+            $(super::$what(stringify!($product));)*
+        }
+    )*};
+}
+
 mod behaviour;
 mod bench;
 mod bus;
 mod capabilities;
+mod cyclic;
+mod homing;
 mod motion;
 mod moves;
 mod objects;
@@ -11,4 +23,6 @@ mod periphery;
 mod promises;
 mod scenes;
 mod sequences;
+mod settings;
 mod speeds;
+mod steer;

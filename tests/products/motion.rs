@@ -178,15 +178,6 @@ fn is_numbered_by_its_switches(name: &str) {
     }
 }
 
-macro_rules! promises {
-    ($($what:ident: $($product:ident)*;)*) => {$(
-        #[test]
-        fn $what() {
-            $(super::$what(stringify!($product));)*
-        }
-    )*};
-}
-
 mod each {
     promises! {
         keeps_its_profile: lmd nanotec s200 tc1;

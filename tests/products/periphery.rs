@@ -1,30 +1,10 @@
 //! What the manuals promise of inputs, outputs, brake, currents, supply and temperature.
 
 use canopen::Frame;
-use sim::plant::{Axis, Index, Switch, Track};
+use sim::plant::{Index, Switch, Track};
 
 use crate::bench::Bench;
-
-const NODE: u8 = 4;
-
-fn position(bench: &mut Bench) -> i32 {
-    bench.read(NODE, 0x6064, 0) as i32
-}
-
-fn number(bench: &mut Bench, index: u16, sub: u8, value: u32) {
-    bench.write(NODE, index, sub, &value.to_le_bytes());
-}
-
-fn on(name: &str, track: Track) -> Bench {
-    let mut bench = Bench::node(name, NODE);
-    let axis = Axis {
-        track,
-        ..Axis::default()
-    };
-    bench.drive.plant_mut().mount(&axis);
-    bench.run(20);
-    bench
-}
+use crate::steer::{NODE, number, on, position};
 
 /// Bits of 60FDh.
 fn inputs(bench: &mut Bench) -> u32 {
@@ -384,15 +364,6 @@ fn some_objects_of_the_tc1_wait_until_the_motor_is_off() {
     bench.write(NODE, 0x6040, 0, &[0, 0]);
     bench.run(50);
     assert_eq!(bench.sdo(NODE, save)[0], 0x60);
-}
-
-macro_rules! promises {
-    ($($what:ident: $($product:ident)*;)*) => {$(
-        #[test]
-        fn $what() {
-            $(super::$what(stringify!($product));)*
-        }
-    )*};
 }
 
 mod each {

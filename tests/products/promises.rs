@@ -366,12 +366,8 @@ fn refuses_as_told(name: &str) {
     }
 }
 
-/// Strings longer than four bytes come in segments.
-fn has_long_strings(name: &str) {
-    let mut bench = booted(name);
-    let answer = bench.sdo(NODE, [0x40, 0x08, 0x10, 0, 0, 0, 0, 0]);
-    assert_eq!(answer[0], 0x41, "{name}");
-    let length = u32::from_le_bytes([answer[4], answer[5], answer[6], answer[7]]) as usize;
+/// What comes in segments behind the first answer.
+pub fn segments(bench: &mut Bench) -> Vec<u8> {
     let mut text = Vec::new();
     let mut toggle = 0;
     loop {
@@ -379,10 +375,19 @@ fn has_long_strings(name: &str) {
         assert_eq!(command & 0x10, toggle);
         text.extend(&bytes[..7 - usize::from(command >> 1 & 7)]);
         if command & 1 != 0 {
-            break;
+            return text;
         }
         toggle ^= 0x10;
     }
+}
+
+/// Strings longer than four bytes come in segments.
+fn has_long_strings(name: &str) {
+    let mut bench = booted(name);
+    let answer = bench.sdo(NODE, [0x40, 0x08, 0x10, 0, 0, 0, 0, 0]);
+    assert_eq!(answer[0], 0x41, "{name}");
+    let length = u32::from_le_bytes([answer[4], answer[5], answer[6], answer[7]]) as usize;
+    let text = segments(&mut bench);
     assert_eq!(text.len(), length);
     assert!(text.iter().all(u8::is_ascii_graphic) || text.contains(&b' '));
 }
@@ -461,15 +466,6 @@ fn has_none_of(name: &str, objects: &[u16]) {
             "{name}: {index:04X}h"
         );
     }
-}
-
-macro_rules! promises {
-    ($($what:ident: $($product:ident)*;)*) => {$(
-        #[test]
-        fn $what() {
-            $(super::$what(stringify!($product));)*
-        }
-    )*};
 }
 
 /// Each bit rate of CiA 305 is taken by LSS, and is in force once it is activated; an index that is none is refused.
