@@ -146,6 +146,16 @@ impl Protection {
         }
     }
 
+    /// Whether parameters are being loaded, which nobody writes.
+    pub(crate) const fn is_loading(&self) -> bool {
+        self.loading
+    }
+
+    /// Whether the power stage is on.
+    pub(crate) const fn is_powered(&self) -> bool {
+        self.powered
+    }
+
     /// What [`Protection::check`] refused was written to this object: a wrong password counts.
     pub(crate) fn refused(&mut self, entry: &Entry, code: AbortCode) {
         if entry.index == PASSWORD && entry.sub == GIVEN && code == AbortCode::InvalidValue {

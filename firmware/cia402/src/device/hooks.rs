@@ -236,12 +236,32 @@ impl<A> Hooks<A> {
     }
 }
 
+impl<A> Hooks<A> {
+    /// Whether node-ID or bit rate may get a value, wherever they are objects: as 5FF0h not while the power stage is on, and whatever a load of the
+    /// parameters brings, which is not taken.
+    fn check_setting<D: Dictionary + Objects>(
+        &self,
+        entry: &Entry,
+        value: &[u8],
+    ) -> Result<(), AbortCode> {
+        if !D::DRIVE_HABITS.network.are_own() && setting::<D>(entry).is_some() {
+            if self.protection.is_loading() {
+                return Ok(());
+            }
+            if self.protection.is_powered() {
+                return Err(AbortCode::DeviceState);
+            }
+        }
+        self.commissioning.check::<D>(entry, value)
+    }
+}
+
 impl<D: Dictionary + Objects, A: Application<D>> Application<D> for Hooks<A> {
     fn validate(&mut self, dictionary: &D, entry: &Entry, value: &[u8]) -> Result<(), AbortCode> {
         let parameter = D::parameter(entry);
         let protected = self.protection.check(dictionary, entry, parameter, value);
         protected.inspect_err(|code| self.protection.refused(entry, *code))?;
-        self.commissioning.check::<D>(entry, value)?;
+        self.check_setting::<D>(entry, value)?;
         if D::DRIVE.scope {
             self.desk.check(dictionary, entry, value)?;
         }
@@ -291,7 +311,9 @@ impl<D: Dictionary + Objects, A: Application<D>> Application<D> for Hooks<A> {
             self.protection.written(dictionary, entry);
             self.commissioning.written(dictionary, entry);
         }
-        if !D::DRIVE_HABITS.network.are_own() && setting::<D>(entry).is_some() {
+        // What is loaded is older than what is stored as a setting.
+        let is_elsewhere = !D::DRIVE_HABITS.network.are_own() && setting::<D>(entry).is_some();
+        if is_elsewhere && !self.protection.is_loading() {
             self.commissioning.written(dictionary, entry);
         }
         self.application.written(dictionary, entry);
