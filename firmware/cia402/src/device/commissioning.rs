@@ -140,35 +140,32 @@ const fn object<D: Objects>(setting: u8) -> (u16, u8) {
 /// What the bytes of a setting ask for.
 fn wish<D: Dictionary + Objects>(setting: u8, value: &[u8]) -> Option<Wish> {
     let number = match value {
-        [number] => u32::from(*number),
-        // Of others than 5FF0h.
+        [number] if D::DRIVE_HABITS.network.are_own() => *number,
         _ if D::DRIVE_HABITS.network.are_own() => return None,
-        _ => {
-            let bytes = value.iter().rev();
-            bytes.fold(0, |all, byte| all << 8 | u32::from(*byte))
-        }
+        _ => translated::<D>(setting, value)?,
     };
-    let rates = D::DRIVE_HABITS.network.bit_rates;
-    if setting == BIT_TIMING && !rates.is_empty() {
-        let found = rates.iter().find(|(own, _)| *own == number)?;
-        return bit_timing::<D>(found.1);
-    }
-    let number = u8::try_from(number).ok()?;
-    if setting == BIT_TIMING {
-        return bit_timing::<D>(number);
-    }
-    Some(Wish {
-        node_id: Some(NodeId::new(number)?),
-        bit_timing: None,
+    Some(match setting {
+        NODE_ID => Wish {
+            node_id: Some(NodeId::new(number)?),
+            bit_timing: None,
+        },
+        _ => Wish {
+            node_id: None,
+            bit_timing: Some(timing::<D>(number)?),
+        },
     })
 }
 
-fn bit_timing<D: Dictionary>(index: u8) -> Option<Wish> {
-    let bit_timing = Some(timing::<D>(index)?);
-    Some(Wish {
-        node_id: None,
-        bit_timing,
-    })
+/// What the bytes of a setting in another maker's object are in 5FF0h.
+fn translated<D: Objects>(setting: u8, value: &[u8]) -> Option<u8> {
+    let bytes = value.iter().rev();
+    let number = bytes.fold(0, |all, byte| all << 8 | u32::from(*byte));
+    let rates = D::DRIVE_HABITS.network.bit_rates;
+    if setting == BIT_TIMING && !rates.is_empty() {
+        let found = rates.iter().find(|(own, _)| *own == number);
+        return found.map(|(_, index)| *index);
+    }
+    u8::try_from(number).ok()
 }
 
 /// What an index of the LSS bit timing table 0 stands for here.
