@@ -67,6 +67,7 @@ impl Clock {
     }
 
     /// A limit as Q96 steps/tick. Rounded down, so that the limit holds, and cut to half a step per tick.
+    #[inline(never)]
     pub(crate) fn speed(self, speed: Speed) -> Fine {
         let whole = (speed.bits() >> 32) as u32;
         let part = low::u32(speed.bits());

@@ -233,6 +233,10 @@ fn put_long(slots: &[Slot], record: &Record, level: u32) -> Option<(usize, u32)>
         return None;
     }
     let slots = slots.get(..parts.saturating_mul(repeat) as usize)?;
+    if parts == 0 {
+        // No time takes no slots.
+        return Some((0, 0));
+    }
     // Parts of equal length: none is short, and the pulse has room in the first.
     let part = period.checked_div(parts).unwrap_or(0);
     let rest = part.wrapping_add(period.wrapping_sub(part.wrapping_mul(parts)));

@@ -80,6 +80,7 @@ impl Goal {
 
     /// The same where all positions have other numbers, more by `shift`. One that is too far away stays so.
     #[must_use]
+    #[inline(never)]
     pub const fn shifted(self, shift: i64) -> Self {
         match self {
             Self::Rest(target) => Self::Rest(target.saturating_add(shift)),

@@ -78,15 +78,21 @@ impl Start {
         self.leaves_ramp = true;
     }
 
-    /// From where sin² ramps begin.
-    pub(super) fn smooth_origin(&self, clock: Clock, goal: Goal, limits: Limits) -> Origin {
-        let mut origin = Origin::steady(self.tick, self.from);
+    /// Moves the origin to where new sin² ramps begin: behind a lead, if there is one.
+    // Out of line: what it needs of the stack is free again when the plan is built.
+    #[inline(never)]
+    pub(super) fn begin_smoothly(
+        &self,
+        clock: Clock,
+        goal: Goal,
+        limits: Limits,
+        origin: &mut Origin,
+    ) {
         origin.is_sine = true;
-        if !self.finish((clock, goal, limits), &mut origin) {
+        if !self.finish((clock, goal, limits), origin) {
             let jerk = self.sixth_jerk().max(self.harder_jerk(clock, limits));
-            self.ease(jerk, &mut origin);
+            self.ease(jerk, origin);
         }
-        origin
     }
 
     /// A sixth of the jerk of the acceleration that it has.

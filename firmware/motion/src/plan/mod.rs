@@ -236,27 +236,25 @@ impl Plan {
         limits: Limits,
         ramps: Ramps,
     ) -> Result<(), PlanError> {
+        let mut origin = Origin::steady(start.tick, start.from);
         match ramps {
-            Ramps::MovingAverage(0) => Err(PlanError::ZeroJerk),
+            Ramps::MovingAverage(0) => return Err(PlanError::ZeroJerk),
             Ramps::SinSquared if SIN_SQUARED => {
-                let origin = start.smooth_origin(clock, goal, limits);
-                self.build(clock, &origin, (goal, limits))
+                start.begin_smoothly(clock, goal, limits, &mut origin);
             }
-            Ramps::Linear | Ramps::SinSquared | Ramps::MovingAverage(_) => {
-                let origin = Origin::steady(start.tick, start.from);
-                self.build(clock, &origin, (goal, limits))
-            }
+            Ramps::Linear | Ramps::SinSquared | Ramps::MovingAverage(_) => {}
             #[cfg(feature = "limited-jerk")]
-            Ramps::JerkLimited(0) => Err(PlanError::ZeroJerk),
+            Ramps::JerkLimited(0) => return Err(PlanError::ZeroJerk),
             #[cfg(feature = "limited-jerk")]
             Ramps::JerkLimited(jerk) => {
                 let jerk = clock.sixth_jerk(jerk).max(start.sixth_jerk());
                 jerk_limited::plan(self, clock, start, goal, limits, jerk)?;
                 self.sixth_jerk = jerk;
                 self.order = Some((goal, limits, ramps));
-                Ok(())
+                return Ok(());
             }
         }
+        self.build(clock, &origin, (goal, limits))
     }
 
     /// Makes a plan with linear or sin² ramps, as its origin says.
