@@ -18,6 +18,7 @@ defmt::timestamp!("{=u64:us}", now().ticks());
 static READING: Mutex<Cell<(u32, u64)>> = Mutex::new(Cell::new((0, 0)));
 
 /// The time now. Any task may ask; it never goes back.
+#[inline(never)]
 pub fn now() -> Instant {
     critical_section::with(|alone| {
         let reading = READING.borrow(alone);
