@@ -3,8 +3,8 @@
 //! The processor divides 32 bits by 32; the compiler's own 128-bit division is made for processors that do more. Only digits that
 //! the quotient has are worked out, and there is one copy of the code.
 
+use crate::iterations::Iterations;
 use crate::low;
-use crate::turns::Turns;
 
 /// Digits of a quotient at most: a numerator has four, one more when it is shifted, two are behind the point, and a divisor has one at least.
 const MOST_DIGITS: u32 = 6;
@@ -67,17 +67,17 @@ impl Divisor {
         let mut second = u64::from(pair(d, c, shift)) << 32 | u64::from(pair(c, b, shift));
         let mut rest = u64::from(pair(b, a, shift)) << 32 | u64::from(a << shift);
         let mut left = 5 - self.length + digits;
-        let mut turns = Turns::at_most(MOST_DIGITS);
+        let mut iterations = Iterations::at_most(MOST_DIGITS);
         // Digits in front that are 0.
         while left != 0 && first == 0 && ((second >> 32) as u32) < self.high {
-            turns.count();
+            iterations.count();
             first = (second >> 32) as u32;
             (second, rest) = (second << 32 | rest >> 32, rest << 32);
             left -= 1;
         }
         let mut result: u128 = 0;
         while left != 0 {
-            turns.count();
+            iterations.count();
             let mut digit = self.digit(first, (second >> 32) as u32);
             // Remainder and next digit, less the product.
             let low = u64::from(low::u32(self.rest)) * u64::from(digit);
@@ -88,9 +88,9 @@ impl Divisor {
             let upper = (u64::from(first) << 32 | second >> 32).wrapping_sub(top);
             let mut upper = upper.wrapping_sub(borrow.into());
             rest <<= 32;
-            let mut turns = Turns::at_most(TOO_LARGE);
+            let mut iterations = Iterations::at_most(TOO_LARGE);
             while upper >> 63 != 0 {
-                turns.count();
+                iterations.count();
                 digit -= 1;
                 let (sum, carry) = lower.overflowing_add(self.rest);
                 lower = sum;
@@ -200,9 +200,9 @@ fn half_digit(remainder: u32, next: u32, divisor: u32) -> (u32, u32) {
     let mut digit = remainder.checked_div(divisor >> 16).unwrap_or(0);
     let numerator = (u64::from(remainder) << 16) | u64::from(next);
     let mut product = u64::from(digit) * u64::from(divisor);
-    let mut turns = Turns::at_most(TOO_LARGE);
+    let mut iterations = Iterations::at_most(TOO_LARGE);
     while product > numerator {
-        turns.count();
+        iterations.count();
         digit -= 1;
         product -= u64::from(divisor);
     }

@@ -13,16 +13,19 @@
 //! | distance | from one position to another |
 //! | trajectory | where the axis is at every tick: a plan, the mean of a plan, or a path |
 //! | plan | a trajectory in closed form from a state to a goal within limits; made of *phases* |
+//! | draft | what a plan starts from, copied at the horizon: it is made while the motion before is played |
+//! | lead | how a plan begins in a smooth ramp: the end of that ramp, or a jerk to zero acceleration |
 //! | phase | a stretch of a plan with constant acceleration or constant jerk |
 //! | corner | the tick at which one phase or segment ends and the next begins |
 //! | ramp | a change of velocity: linear, sin², with limited jerk, or the moving average of a linear one |
 //! | mean | the moving average of a plan over a *window* of time, taken from samples on a *grid* |
+//! | joint | the tick at which the plan below a mean may change: up to there it has been sampled |
 //! | path | set-points with their ticks, as cyclic modes give them; from one to the next is a *segment* of it |
-//! | piece | a polynomial of degree 3 at most with an end tick: what every trajectory comes as |
+//! | piece | a polynomial of degree 3 at most with an end tick: what every trajectory comes as; within a plan, a ramp or a cruise |
 //! | chord | as much of a piece as becomes pulses in one go: evenly spaced between its first crossing and its last |
 //! | crossing | where the position passes the middle between two whole steps: there the pulse belongs |
 //! | record | a run of equal periods, each with a pulse, or silence; what a sink plays |
-//! | train | the account of steps and ticks that makes records of chords |
+//! | train | the account of steps and ticks that makes records of chords; its *pen* is where these end |
 //! | open period | the time behind the last pulse, which becomes a record when it is known how long it is |
 //! | segment | a quarter of a millisecond on the board: a refill hands out one, and two are committed |
 //! | committed | given to the timer as records: it will be played, whatever is ordered |
@@ -65,6 +68,7 @@ mod divide;
 pub mod driver;
 pub mod fixed;
 pub mod homing;
+mod iterations;
 pub mod low;
 mod path;
 pub mod plan;
@@ -73,7 +77,6 @@ mod root;
 pub mod speed;
 pub mod step_interrupt;
 mod stepper;
-mod turns;
 #[cfg(test)]
 mod vectors;
 mod wide;

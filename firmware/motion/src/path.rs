@@ -8,9 +8,9 @@
 use crate::clock::Ticks;
 use crate::divide::fraction;
 use crate::fixed::{Exact, Position, State, Velocity};
+use crate::iterations::Iterations;
 use crate::low;
 use crate::stepper::piece::Piece;
-use crate::turns::Turns;
 
 /// Segments that are kept: the one that is becoming pulses, and those behind it. A power of two.
 const MOST_SEGMENTS: usize = 4;
@@ -222,12 +222,12 @@ impl Path {
     #[inline]
     fn gone(&self, t: Ticks) -> u8 {
         let mut number = 0;
-        let mut turns = Turns::at_most(low::word(MOST_SEGMENTS));
+        let mut iterations = Iterations::at_most(low::word(MOST_SEGMENTS));
         while self
             .segment(number)
             .is_some_and(|segment| segment.piece.end <= t)
         {
-            turns.count();
+            iterations.count();
             number += 1;
         }
         number

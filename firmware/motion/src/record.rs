@@ -1,7 +1,7 @@
-//! Pulse-train records: what a step timer is told to do, and the door through which it is told.
+//! Pulse-train records: what a step timer is to play, and the interface that takes them.
 
 use crate::Ticks;
-use crate::turns::Turns;
+use crate::iterations::Iterations;
 
 /// Which way a step goes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -93,11 +93,11 @@ pub trait PulseSink {
     #[inline]
     fn push_all(&mut self, records: &[Record]) -> usize {
         let mut taken = 0;
-        let mut turns = Turns::for_each(records);
+        let mut iterations = Iterations::for_each(records);
         while let Some(record) = records.get(taken)
             && self.push(*record).is_ok()
         {
-            turns.count();
+            iterations.count();
             taken = taken.wrapping_add(1);
         }
         taken

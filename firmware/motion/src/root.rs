@@ -1,7 +1,7 @@
 //! The root of an integer, exactly; begun in floating point, which this processor has in hardware.
 
+use crate::iterations::Iterations;
 use crate::low;
-use crate::turns::Turns;
 
 /// A guess of twenty bits, behind a step of Newton's method that is cut to an integer, is off by no more than this.
 const LAST_BITS: u32 = 2;
@@ -27,15 +27,15 @@ pub(crate) fn root(square: u64) -> u32 {
     // Now it is the root, or next to it.
     let mut root = rough.saturating_add_signed(step);
     let mut left = beyond(high, root);
-    let mut turns = Turns::at_most(LAST_BITS);
+    let mut iterations = Iterations::at_most(LAST_BITS);
     while left < 0 {
-        turns.count();
+        iterations.count();
         left += (i64::from(root) << 1) - 1;
         root -= 1;
     }
-    let mut turns = Turns::at_most(LAST_BITS);
+    let mut iterations = Iterations::at_most(LAST_BITS);
     while left > i64::from(root) << 1 {
-        turns.count();
+        iterations.count();
         left -= (i64::from(root) << 1) + 1;
         root += 1;
     }

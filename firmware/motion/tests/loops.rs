@@ -1,5 +1,5 @@
-//! No loop of the crate is without a bound: a `while` and a `loop` count their turns against one that stands beside them, and a `for` goes through
-//! what has an end. Every other test, property and fuzz target then finds a turn more (`src/turns.rs`).
+//! No loop of the crate is without a bound: a `while` and a `loop` count their iterations against one that stands beside them, and a `for` goes through
+//! what has an end. Every other test, property and fuzz target then finds one iteration more (`src/iterations.rs`).
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -60,13 +60,13 @@ fn unbounded(text: &str) -> Vec<String> {
         let (head, body) = behind.split_at(opens.map_or(behind.len(), |at| at + 1));
         match first_word(line) {
             "while" | "loop" => {
-                let counts = body.first() == Some(&"turns.count();");
+                let counts = body.first() == Some(&"iterations.count();");
                 // Two loops that share a bound stand one behind the other.
                 let bound = lines[..number]
                     .iter()
                     .rev()
                     .take(12)
-                    .any(|line| line.starts_with("let mut turns = Turns::"));
+                    .any(|line| line.starts_with("let mut iterations = Iterations::"));
                 if !counts || !bound {
                     found.push((*line).to_owned());
                 }
@@ -94,7 +94,7 @@ fn every_loop_has_a_bound_that_is_counted() {
         assert_eq!(unbounded(&text), [""; 0], "{}", path.display());
         loops += code(&text)
             .iter()
-            .filter(|line| **line == "turns.count();")
+            .filter(|line| **line == "iterations.count();")
             .count();
     }
     assert!(loops > 10, "only {loops} loops were found");
@@ -107,14 +107,14 @@ fn a_loop_without_a_bound_is_found() {
         "loop {\n    step();\n}",
         "let most = loop {\n    step();\n}",
         "'outer: loop {\n    step();\n}",
-        "while left > 0 {\n    turns.count();\n}",
+        "while left > 0 {\n    iterations.count();\n}",
         "for n in 0.. {\n}",
         "for n in ring.iter().cycle() {\n}",
     ] {
         assert_eq!(unbounded(text).len(), 1, "{text}");
     }
     for text in [
-        "let mut turns = Turns::at_most(2);\nwhile left > 0\n    && right > 0\n{\n    turns.count();\n}",
+        "let mut iterations = Iterations::at_most(2);\nwhile left > 0\n    && right > 0\n{\n    iterations.count();\n}",
         "for n in 0..MOST {\n}",
         "// while it lasts\n",
         "for record in &records {\n}",

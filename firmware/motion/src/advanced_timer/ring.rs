@@ -3,8 +3,8 @@
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use super::slots::Words;
+use crate::iterations::Iterations;
 use crate::low;
-use crate::turns::Turns;
 
 /// Slots of the ring. A power of two.
 pub const SLOTS: usize = 256;
@@ -114,9 +114,9 @@ pub(super) fn fill(
 /// Writes slots that are all alike, several at a time: a loop around one is longer than its words.
 #[inline]
 fn fill_all(mut slots: &[Slot], words: Words) {
-    let mut turns = Turns::for_each(slots);
+    let mut iterations = Iterations::for_each(slots);
     while let [one, two, three, four, rest @ ..] = slots {
-        turns.count();
+        iterations.count();
         fill(one, words);
         fill(two, words);
         fill(three, words);

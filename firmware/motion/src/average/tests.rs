@@ -27,7 +27,7 @@ fn per_second(velocity: i128) -> f64 {
 }
 
 /// A mean, its curve so far, and the plans that it was made of.
-struct Course {
+struct Followed {
     window: Window,
     begin: Ticks,
     average: Average,
@@ -35,7 +35,7 @@ struct Course {
     pieces: Vec<(Ticks, Phase)>,
 }
 
-impl Course {
+impl Followed {
     /// Begins in a state of the plan, and before it in a line.
     fn new(window: Window, begin: Ticks, goal: Goal, limits: Limits, velocity: i32) -> Self {
         let from = State {
@@ -149,26 +149,26 @@ proptest! {
     ) {
         let begin = 1 << 40;
         let (first, limits, _) = orders[0];
-        let mut course = Course::new(window, begin, first, limits, velocity);
+        let mut followed = Followed::new(window, begin, first, limits, velocity);
         let mut now = begin;
         for ((_, _, wait), (goal, limits, _)) in orders.iter().zip(&orders[1..]) {
             now += wait;
-            course.run(now);
-            course.redirect(now, *goal, *limits);
+            followed.run(now);
+            followed.redirect(now, *goal, *limits);
         }
         let stop = Limits { velocity: 1.into(), acceleration: 1, deceleration: 1 << 20 };
         let now = now + u64::from(HZ);
-        course.run(now);
-        course.redirect(now, Goal::Velocity(0.into()), stop);
-        course.run(Ticks::MAX);
+        followed.run(now);
+        followed.redirect(now, Goal::Velocity(0.into()), stop);
+        followed.run(Ticks::MAX);
 
         // In its end it is where the last plan is, to the last bit of a position, one window later than that.
-        let (joint, plan) = course.plans.last().unwrap().clone();
+        let (joint, plan) = followed.plans.last().unwrap().clone();
         let end = plan.end().unwrap();
-        prop_assert!(course.average.is_over());
-        let there = course.average.exact_at(course.average.until());
+        prop_assert!(followed.average.is_over());
+        let there = followed.average.exact_at(followed.average.until());
         prop_assert_eq!(there, Exact { position: i128::from(sample(plan.exact_at(end).position)) << 64, velocity: 0 });
-        let late = course.average.until() - end.max(joint);
+        let late = followed.average.until() - end.max(joint);
         let grid = u64::from(window.grid);
         prop_assert!(end <= joint || late + grid > window.ticks().into());
         prop_assert!(late < u64::from(window.ticks()) + grid, "{late} ticks behind the plan");
@@ -182,7 +182,7 @@ proptest! {
         // Of positions in 2⁻³² steps.
         let noise = 2f64.powi(-30) / grid / seconds;
         let mut before: Option<(Ticks, Phase)> = None;
-        for (until, phase) in &course.pieces {
+        for (until, phase) in &followed.pieces {
             let acceleration = per_second(phase.acceleration_exact(phase.start())) * f64::from(HZ);
             prop_assert!(acceleration.abs() <= hardest * 1.000_001 + noise);
             prop_assert!(per_second(phase.at(phase.start()).velocity).abs() <= fastest * 1.000_001 + 1e-3);
@@ -202,10 +202,10 @@ proptest! {
         }
         // Between two samples the plan is taken as straight, and a mean of so many points is not quite the mean.
         let slack = hardest * grid * grid / 4.0 + hardest * (seconds / 2000.0).powi(2) + fastest * 2.0 / f64::from(HZ) + 1e-4;
-        let last = course.average.until();
+        let last = followed.average.until();
         for part in 0..20 {
             let t = begin + (last - begin) * part / 20;
-            let off = steps(course.at(t).position) - course.mean(t);
+            let off = steps(followed.at(t).position) - followed.mean(t);
             prop_assert!(off.abs() <= slack, "{off} steps off at {t}, {slack} allowed");
         }
     }
@@ -246,12 +246,12 @@ fn a_creeping_plan_is_followed_to_the_tick() {
     };
     let goal = Goal::Velocity(crate::SignedSpeed::from_bits(slow.bits() as i64));
     let window = Window::of(400 * SEGMENT, SEGMENT);
-    let mut course = Course::new(window, 0, goal, limits, 0);
-    course.run(u64::from(HZ));
-    let (until, line) = *course.pieces.last().unwrap();
+    let mut followed = Followed::new(window, 0, goal, limits, 0);
+    followed.run(u64::from(HZ));
+    let (until, line) = *followed.pieces.last().unwrap();
     assert_eq!(until, Ticks::MAX);
-    assert!(course.pieces.len() <= 403, "{}", course.pieces.len());
-    let plan = course.plans[0].1.clone();
+    assert!(followed.pieces.len() <= 403, "{}", followed.pieces.len());
+    let plan = followed.plans[0].1.clone();
     let hour = 3600 * u64::from(HZ);
     let half = u64::from(window.ticks()) / 2;
     assert_eq!(line.at(hour), plan.exact_at(hour - half));

@@ -30,7 +30,7 @@ impl Homing {
         if let Some(pulse) = seen.index.filter(|pulse| self.is_behind_edge(*pulse)) {
             return Ok(self.take_index(pulse));
         }
-        self.free_way(seen, self.direction)?;
+        self.check_limits(seen, self.direction)?;
         let gone = seen.position.wrapping_sub(self.edge).unsigned_abs();
         if exceeds(gone.into(), self.settings.longest_distance_to_index) {
             return Err(Failure::NoIndex);

@@ -107,10 +107,10 @@ pub enum Order {
     Run(Direction, Speed),
     /// Slow down to rest.
     Stop,
-    /// Go to this position at zero speed, and stay there.
+    /// Go to this position at the slow homing speed, and stay there.
     Go(i32),
-    /// Home is found, and is this position: go back to it, as by [`Order::Go`]. Whoever gives it its name at once has a short way
-    /// there, but goes on to tell positions in the count in which it was found.
+    /// Home is found, and is this position: go back to it, as by [`Order::Go`]. Who sets the home
+    /// position at once still tells homing positions in the count in which it was found.
     Return(i32),
     /// Drop the pulses that have not left: the motor is blocked.
     CutOff,

@@ -5,12 +5,13 @@
 //!
 //! 1. Look for the switch at search speed, until its edges passed tell on which side of the wanted one the motor is.
 //! 2. Come to rest just before that edge, on the side from which the last move begins.
-//! 3. Last move: over the edge at zero speed, always in the same direction. Home is where the edge was captured, or the first
-//!    index pulse behind it.
+//! 3. Last move: over the edge at the slow homing speed (6099h:2), always in the same direction.
+//!    Home is where the edge was captured, or the first index pulse behind it.
 //!
 //! The contract:
-//! - The last edge is passed at zero speed and in one direction whatever the start, so that the hysteresis of a switch does not
-//!   shift home. Positions are those captured at the edge, not those at which it was noticed.
+//! - The last edge is passed at the slow homing speed and in one direction whatever the start, so
+//!   that the hysteresis of a switch does not shift home. Positions are those captured at the edge,
+//!   not those at which it was noticed.
 //! - Home is the outermost position at which the switch is active: a rising and a falling edge at one place are one home.
 //! - An edge is noticed late, by the filter of the switch. So the motor turns back only when the filter has decided on all it has seen:
 //!   an edge that is noticed belongs to the run under way, and so does the first index pulse behind it.
@@ -26,8 +27,8 @@ pub use interface::{Failure, Fitted, Order, Outcome, Seen, Settings, Speed, Swit
 pub use method::Method;
 use method::{Approach, AtLimit, End, Reference, Switch};
 
-/// Runs from one stop to the next while a switch is looked for, until homing gives up; from the middle on they are at zero speed,
-/// so that a narrow switch that was run over is found.
+/// Runs from one stop to the next while a switch is looked for, until homing gives up; from the
+/// middle on they are at the slow speed, so that a narrow switch that was run over is found.
 const MOST_RUNS: u8 = 12;
 
 /// What the motor is doing.
@@ -247,11 +248,11 @@ impl Homing {
         let order = match self.method.reference {
             Reference::Here => return Ok(Outcome::Attained(seen.position)),
             Reference::Index(direction) => {
-                self.free_way(seen, direction)?;
+                self.check_limits(seen, direction)?;
                 self.begin_index(direction, seen.position)
             }
             Reference::Block(direction) => {
-                self.free_way(seen, direction)?;
+                self.check_limits(seen, direction)?;
                 self.phase = Phase::Blocking;
                 self.run(direction, Speed::Search)
             }
@@ -267,14 +268,14 @@ impl Homing {
         }
         let Some(mut direction) = self.heading(approach) else {
             let direction = approach.last();
-            self.free_way(seen, direction)?;
+            self.check_limits(seen, direction)?;
             self.phase = Phase::LastMove;
             return Ok(self.run(direction, self.last_speed()));
         };
-        if self.free_way(seen, direction).is_err() {
+        if self.check_limits(seen, direction).is_err() {
             self.turn(approach)?;
             direction = self.search;
-            self.free_way(seen, direction)?;
+            self.check_limits(seen, direction)?;
         }
         self.runs = self.runs.saturating_add(1);
         if self.runs > MOST_RUNS {
@@ -334,7 +335,7 @@ impl Homing {
             return Ok(Order::GoOn);
         };
         if self.heading(&approach) == Some(self.direction) {
-            if self.free_way(seen, self.direction).is_ok() {
+            if self.check_limits(seen, self.direction).is_ok() {
                 return Ok(Order::GoOn);
             }
             self.turn(&approach)?;
@@ -346,7 +347,7 @@ impl Homing {
     fn pass_edge(&mut self, seen: &Seen, passed: Option<(i32, bool)>) -> Result<Order, Failure> {
         let Some((edge, rose)) = passed else {
             self.keep_pulse(seen);
-            self.free_way(seen, self.direction)
+            self.check_limits(seen, self.direction)
                 .map_err(|_| self.at_limit())?;
             return Ok(Order::GoOn);
         };
@@ -355,7 +356,7 @@ impl Homing {
             return Ok(self.finish());
         }
         let early = self.early_pulse.filter(|_| self.edge == self.home);
-        // The last move was at zero speed: it just goes on.
+        // The last move was at the slow speed: it just goes on.
         let order = self.begin_index(self.direction, self.home);
         let mut pulses = [early, seen.index].into_iter().flatten();
         Ok(match pulses.find(|pulse| self.is_behind_edge(*pulse)) {
@@ -376,7 +377,7 @@ impl Homing {
     fn run_into_block(&mut self, seen: &Seen) -> Result<Order, Failure> {
         if !seen.blocked {
             self.blocked_time = 0;
-            self.free_way(seen, self.direction)?;
+            self.check_limits(seen, self.direction)?;
             return Ok(Order::GoOn);
         }
         self.blocked_time = self.blocked_time.saturating_add(seen.elapsed.into());
@@ -434,7 +435,7 @@ impl Homing {
     }
 
     /// Whether no limit switch forbids this direction; the one that is looked for does not.
-    fn free_way(&self, seen: &Seen, direction: Direction) -> Result<(), Failure> {
+    fn check_limits(&self, seen: &Seen, direction: Direction) -> Result<(), Failure> {
         let (switch, state) = match direction {
             Direction::Forward => (Switch::PositiveLimit, seen.positive_limit),
             Direction::Reverse => (Switch::NegativeLimit, seen.negative_limit),

@@ -5,8 +5,8 @@ use core::sync::atomic::Ordering;
 
 use super::ring::CAPACITY;
 use super::{Shared, ticks};
+use crate::iterations::Iterations;
 use crate::low;
-use crate::turns::Turns;
 use crate::{Direction, DriverTiming, Record};
 
 /// Records that the interrupt may find in a row: it is above who puts them in.
@@ -257,9 +257,9 @@ impl<'a, T: StepTimer> Player<'a, T> {
 
     /// Takes a period of the record being played, or of the next one. False: there is none.
     fn next_period(&mut self) -> bool {
-        let mut turns = Turns::at_most(MOST_TAKEN);
+        let mut iterations = Iterations::at_most(MOST_TAKEN);
         while self.left == 0 {
-            turns.count();
+            iterations.count();
             let Some(record) = self.shared.records.take() else {
                 return false;
             };
@@ -302,9 +302,9 @@ impl<'a, T: StepTimer> Player<'a, T> {
         let left = self.record.period.wrapping_mul(u32::from(self.left));
         played = played.wrapping_add(left);
         self.left = 0;
-        let mut turns = Turns::at_most(MOST_TAKEN);
+        let mut iterations = Iterations::at_most(MOST_TAKEN);
         while let Some(record) = self.shared.records.take() {
-            turns.count();
+            iterations.count();
             played = played.wrapping_add(ticks(&record));
         }
         self.rest(played);

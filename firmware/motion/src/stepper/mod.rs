@@ -47,9 +47,10 @@ pub(crate) struct Stepper {
     most: u32,
     beyond: u32,
     spare: u32,
-    /// The longest chord of all, the velocity up to which it may be so long, Q32 steps per tick, and the shortest of curved pieces.
+    /// The longest chord of all, the velocity up to which it may be so long, Q32 steps per tick,
+    /// and the shortest of curved pieces.
     longest: u32,
-    easy: u32,
+    longest_up_to: u32,
     least: u32,
     train: Train,
 }
@@ -71,9 +72,9 @@ impl Stepper {
             beyond: 0,
             spare: 0,
             longest,
-            easy: (u64::from(MOST_PULSES) << 32)
+            longest_up_to: (u64::from(MOST_PULSES) << 32)
                 .checked_div(longest.into())
-                .map_or(u32::MAX, |easy| easy.min(1 << 31) as u32),
+                .map_or(u32::MAX, |rate| rate.min(1 << 31) as u32),
             least: longest.min(segment / CHORDS_PER_SEGMENT),
             train,
         }
@@ -213,7 +214,7 @@ impl Stepper {
             self.piece.walk(length);
             rate = speed(&self.piece);
         }
-        if rate < self.fast || rate > self.easy {
+        if rate < self.fast || rate > self.longest_up_to {
             self.chord(begin, (from, length), None);
             return;
         }
@@ -258,7 +259,7 @@ impl Stepper {
     /// How far a chord may lead at this velocity, and should.
     #[inline]
     fn look_ahead(&mut self, rate: u32) {
-        self.most = if rate <= self.easy {
+        self.most = if rate <= self.longest_up_to {
             self.reach
         } else {
             self.shorter(rate)
@@ -276,7 +277,7 @@ impl Stepper {
         };
     }
 
-    /// The longest chord at a velocity that is not easy: so that it has no more than [`MOST_PULSES`].
+    /// The longest chord at a higher velocity: no more than [`MOST_PULSES`] in it.
     #[cold]
     fn shorter(&self, rate: u32) -> u32 {
         let (most, _) = by_digit(u64::from(MOST_PULSES) << 32, rate);

@@ -9,9 +9,9 @@
 
 use super::CHORDS_PER_SEGMENT;
 use crate::clock::Ticks;
+use crate::iterations::Iterations;
 use crate::low;
 use crate::record::{Direction, DriverTiming, Record, SHORTEST_RECORD};
-use crate::turns::Turns;
 
 /// Records that one chord can make at most: four of silence in front, one more at a change of direction, three runs, and three if what is open then
 /// is made a record with it.
@@ -370,9 +370,9 @@ impl Train {
     /// Records for `ticks` of the open period: its pulse if it has one, then silence. None is longer than a segment or shorter than
     /// the driver's shortest period.
     fn silence(&mut self, mut ticks: u32, direction: Direction) {
-        let mut turns = Turns::at_most(low::word(MOST_RECORDS));
+        let mut iterations = Iterations::at_most(low::word(MOST_RECORDS));
         while ticks > 0 {
-            turns.count();
+            iterations.count();
             let part = if ticks > self.segment {
                 self.segment.min(ticks.saturating_sub(self.least))
             } else {

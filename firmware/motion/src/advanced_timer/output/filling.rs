@@ -3,17 +3,17 @@
 use super::{MOST_SLOTS, Output};
 use crate::advanced_timer::registers::{Register, Registers};
 use crate::advanced_timer::slots::{Place, Remainder, level};
+use crate::iterations::Iterations;
 use crate::low;
-use crate::turns::Turns;
 use crate::{PulseSink, Record, Ticks};
 
 impl<R: Registers> Output<'_, R> {
     /// Writes slots as long as there is room for what is left of the last record. So many are in time without another look.
     #[inline]
     pub(super) fn fill(&mut self, mut in_time: i32) {
-        let mut turns = Turns::at_most(MOST_SLOTS);
+        let mut iterations = Iterations::at_most(MOST_SLOTS);
         while !self.remainder.is_empty() && self.has_room() {
-            turns.count();
+            iterations.count();
             if in_time <= 0 {
                 in_time = self.in_time();
                 if in_time <= 0 {
@@ -47,12 +47,12 @@ impl<R: Registers> Output<'_, R> {
         let direction = self.counted.direction();
         let mut place = Place::new(slots, self.level);
         let mut left = records;
-        let mut turns = Turns::for_each(records);
+        let mut iterations = Iterations::for_each(records);
         while let Some((record, rest)) = left.split_first()
             && record.direction == direction
             && let Some(length) = place.put(record)
         {
-            turns.count();
+            iterations.count();
             self.end = self.end.wrapping_add(length);
             if record.width > 0 {
                 self.pulses = self.pulses.wrapping_add(record.repeat.into());
@@ -74,11 +74,11 @@ impl<R: Registers> Output<'_, R> {
     /// Takes those that are left of so many more, one at a time where they are not alike. Gives how many have been taken then.
     #[inline(never)]
     fn push_others(&mut self, records: &[Record], mut taken: usize) -> usize {
-        let mut turns = Turns::for_each(records);
+        let mut iterations = Iterations::for_each(records);
         while let Some(record) = records.get(taken)
             && self.push(*record).is_ok()
         {
-            turns.count();
+            iterations.count();
             taken = taken.wrapping_add(1);
             let left = records.get(taken..).unwrap_or_default();
             taken = taken.wrapping_add(self.push_alike(left));

@@ -89,8 +89,8 @@ fn follow(axis: &mut Axis, sink: &mut Replay, reverse: bool, points: &[(i16, u16
         let share = i64::from(if reverse { -share } else { share });
         let velocity = highest * share / 1_000;
         let taken = if is_straight && index > 0 {
-            let way = ((i128::from(velocity) * i128::from(length)) << 32) / i128::from(HZ);
-            let to = state.position.bits().wrapping_add(way as i64);
+            let distance = ((i128::from(velocity) * i128::from(length)) << 32) / i128::from(HZ);
+            let to = state.position.bits().wrapping_add(distance as i64);
             axis.follow(from + length, Position::from_bits(to))
         } else {
             axis.follow_velocity(from + length, SignedSpeed::from(velocity as i32))

@@ -100,12 +100,12 @@ fn a_step_in_an_hour_comes_every_hour() {
 
 #[test]
 fn a_step_in_an_hour_is_at_its_tick_with_segments_of_a_quarter_of_a_millisecond() {
-    // Three seconds of the way lie in front of the first pulse.
+    // Three seconds of the distance lie in front of the first pulse.
     let clock = Clock::new(HZ).unwrap();
     for sign in [1, -1] {
-        let way = i64::try_from(HOURLY.bits()).unwrap() * 3;
+        let distance = i64::try_from(HOURLY.bits()).unwrap() * 3;
         let from = State {
-            position: crate::Position::from_bits(((1 << 31) - way) * sign),
+            position: crate::Position::from_bits(((1 << 31) - distance) * sign),
             velocity: crate::Velocity::ZERO,
         };
         let velocity = HOURLY.signed(sign < 0);
@@ -247,8 +247,11 @@ fn a_way_of_ages_ends_never_and_goes_on_all_the_same() {
         assert!(plan.end().unwrap() >= Ticks::MAX - 1);
         let day = 86_400 * u64::from(HZ);
         let before = plan.state_at(1_000 * day);
-        let way = plan.state_at(1_001 * day).position.bits() - before.position.bits();
+        let distance = plan.state_at(1_001 * day).position.bits() - before.position.bits();
         let expected = 86_400 * velocity.bits();
-        assert!(way.unsigned_abs().abs_diff(expected) <= 1, "{way}");
+        assert!(
+            distance.unsigned_abs().abs_diff(expected) <= 1,
+            "{distance}"
+        );
     }
 }

@@ -32,16 +32,19 @@ fn a_velocity_crosses_the_end_of_the_span() {
 #[test]
 fn a_move_goes_on_across_the_end_of_the_span() {
     let (mut axis, mut sink) = axis(FAST);
-    for (from, way) in [
+    for (from, distance) in [
         (i64::from(i32::MAX) - 10, 1_000_i64),
         (i64::from(i32::MIN) + 10, -1_000),
     ] {
         axis.set_position(from);
         sink.position = from;
-        axis.move_to(from + way, T01).unwrap();
+        axis.move_to(from + distance, T01).unwrap();
         run(&mut axis, &mut sink);
-        assert_eq!(sink.position, from + way);
-        assert_eq!(axis.committed_position(), i64::from((from + way) as i32));
+        assert_eq!(sink.position, from + distance);
+        assert_eq!(
+            axis.committed_position(),
+            i64::from((from + distance) as i32)
+        );
     }
 }
 
@@ -58,18 +61,18 @@ fn a_target_is_as_far_as_its_number_says_where_the_plan_has_wrapped() {
             velocity: velocity.into(),
             ..T01
         };
-        let way = i64::from(velocity) / 2;
+        let distance = i64::from(velocity) / 2;
         for forward in [true, false] {
-            let towards = |way: i64| if forward { way } else { -way };
+            let towards = |distance: i64| if forward { distance } else { -distance };
             let (mut axis, mut sink) = axis(FAST);
             axis.set_ramps(ramps);
             let begin = if forward {
-                (1 << 31) - 1 - way
+                (1 << 31) - 1 - distance
             } else {
-                way - (1 << 31)
+                distance - (1 << 31)
             };
             axis.set_position(begin);
-            let far = begin + towards(2 * way);
+            let far = begin + towards(2 * distance);
             axis.move_to(far, limits).unwrap();
             let mut apart = 0;
             for _ in 0..10_000 {
@@ -83,15 +86,18 @@ fn a_target_is_as_far_as_its_number_says_where_the_plan_has_wrapped() {
                 let committed = axis.committed_position();
                 if (planned < 0) != (committed < 0) {
                     apart += 1;
-                    for way in [2 * way, 50, -50] {
+                    for distance in [2 * distance, 50, -50] {
                         let mut axis = axis.clone();
-                        let target = committed + towards(way);
+                        let target = committed + towards(distance);
                         axis.move_to(target, limits).unwrap();
                         let end = axis.plan.end().unwrap();
                         let gone = axis.plan.state_at(end).position.whole_steps();
-                        assert_eq!(gone as i32, target as i32, "{ramps:?}, {way}");
+                        assert_eq!(gone as i32, target as i32, "{ramps:?}, {distance}");
                         let time = end - axis.horizon();
-                        assert!(time < 4 * u64::from(HZ), "{ramps:?}, {way}: {time} ticks");
+                        assert!(
+                            time < 4 * u64::from(HZ),
+                            "{ramps:?}, {distance}: {time} ticks"
+                        );
                     }
                 }
                 sink.play(u64::from(axis.stepper.segment() / 4));
