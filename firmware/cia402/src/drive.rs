@@ -469,7 +469,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         let news = self.periphery_news(tick.inputs);
         exchange.lock(|exchange| {
             exchange.publish(&actuals);
-            if let Some(latched) = news.latched {
+            if let Some(latched) = &news.latched {
                 exchange.latch(latched);
             }
             if let Some(readings) = news.readings {

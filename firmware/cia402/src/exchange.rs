@@ -226,8 +226,8 @@ impl Exchange {
     }
 
     /// The touch probes have stored something, or are set up anew.
-    pub fn latch(&mut self, latched: Latched) {
-        self.latched = latched;
+    pub fn latch(&mut self, latched: &Latched) {
+        self.latched.assign(latched);
         self.has_news = true;
     }
 

@@ -91,4 +91,5 @@ pub use path::FollowError;
 pub use plan::phase::Phase;
 pub use plan::{Goal, Limits, Plan, PlanError, Ramps, SIN_SQUARED};
 pub use record::{Direction, DriverTiming, PulseSink, Record};
+pub use root::root;
 pub use speed::{SignedSpeed, Speed};

@@ -14,7 +14,7 @@ const LAST_BITS: u32 = 2;
     clippy::cast_sign_loss,
     reason = "a number in floating point, none of them below 0 but a step, is cut to the integer next to it"
 )]
-pub(crate) fn root(square: u64) -> u32 {
+pub fn root(square: u64) -> u32 {
     // An even shift, so that the root is shifted back by half of it.
     let above = square.leading_zeros() & 62;
     let high = square << above;

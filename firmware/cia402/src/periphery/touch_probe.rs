@@ -24,6 +24,7 @@ use motion::low;
 
 use crate::commands::Commands;
 use crate::configuration::Configuration;
+use crate::copied::copy_fields;
 use crate::inputs::{Count, DigitalInputs, Edge, Edges, InputConfiguration, SOURCE, Source};
 
 use look::Look;
@@ -60,6 +61,11 @@ impl Latched {
         times: [0; 4],
         counters: [0; 4],
     };
+
+    /// Takes over all of other ones, field by field: as one it would be the only call of `memmove` there is.
+    pub(crate) fn assign(&mut self, from: &Self) {
+        copy_fields!(Self { status, positions, times, counters }, from => self);
+    }
 }
 
 /// An edge that is sampled, or not.

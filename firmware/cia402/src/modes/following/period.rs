@@ -114,5 +114,5 @@ pub(in crate::modes) fn braking_distance(room: i64, gain: i64) -> i64 {
 pub(super) fn root(square: u128) -> u64 {
     let wide = 64u32.saturating_sub((square >> 64).leading_zeros().saturating_sub(64));
     let shift = wide.div_ceil(2).wrapping_mul(2);
-    low::u64(square >> shift).isqrt().wrapping_shl(shift / 2)
+    u64::from(motion::root(low::u64(square >> shift))).wrapping_shl(shift / 2)
 }
