@@ -173,7 +173,7 @@ impl Following {
             self.is_limited = Some(goal) != target;
             return Outcome::Followed;
         }
-        let Some(leg) = self.set_out(end, slot.period, context.motor) else {
+        let Some(leg) = self.begin_segment(end, slot.period, context.motor) else {
             // What was given before the period changed lasts that long.
             if let Some(goal) = goal {
                 self.head_for(goal);
@@ -243,7 +243,7 @@ impl Following {
     }
 
     /// Finds from where a set-point is gone to that is due at `end`, and how fast the motor is there; `None` if there is no time for it.
-    fn set_out(
+    fn begin_segment(
         &mut self,
         end: Fine,
         period: Fine,
@@ -335,7 +335,7 @@ impl Following {
         } else {
             need
         };
-        let need = Self::unbarred(need, context);
+        let need = Self::outside_limit_switches(need, context);
         // A set-point beyond a limit stands still there.
         let pace = if need == asked { pace } else { 0 };
         let is_within_ramps = if self.is_catching_up {
@@ -361,14 +361,14 @@ impl Following {
         let distance = if is_in_reach {
             need
         } else {
-            self.chase(need, pace, most, ramps(seconds, context))
+            self.catch_up(need, pace, most, ramps(seconds, context))
         };
         let distance = if has_ends {
             self.before_limit(distance, seconds, context)
         } else {
             distance
         };
-        let distance = Self::unbarred(distance, context);
+        let distance = Self::outside_limit_switches(distance, context);
         // Out of a limit, too, the motor goes on with no jump.
         self.is_catching_up = !is_in_reach || distance != asked;
         self.is_limited = self.is_catching_up;
@@ -376,7 +376,7 @@ impl Following {
     }
 
     /// The distance in this period on a ramp that ends with the set-points, at their velocity.
-    fn chase(&self, need: i64, pace: i64, most: i64, (up, down): (i64, i64)) -> i64 {
+    fn catch_up(&self, need: i64, pace: i64, most: i64, (up, down): (i64, i64)) -> i64 {
         let behind = need.saturating_sub(pace);
         let gained = braking_distance(behind.saturating_abs(), down).min(behind.saturating_abs());
         let gained = if behind < 0 {
@@ -396,7 +396,7 @@ impl Following {
     }
 
     /// The distance, if no limit switch bars it.
-    fn unbarred(distance: i64, context: &Context<'_, impl Parts>) -> i64 {
+    fn outside_limit_switches(distance: i64, context: &Context<'_, impl Parts>) -> i64 {
         let is_free = context.motor.is_free(distance).is_ok();
         if is_free { distance } else { 0 }
     }
@@ -443,7 +443,7 @@ impl Following {
         let before = over(waiting.distance, waiting.interval, knot.interval);
         let slope = slope(before, knot.distance);
         let last = over(slope, knot.interval, waiting.interval);
-        let curve = is_tame(first, last, waiting).then_some((to(slope), knot.interval));
+        let curve = is_monotone(first, last, waiting).then_some((to(slope), knot.interval));
         let _ = motor.follow(waiting.end, to(waiting.at), curve);
         self.waiting = (!stands).then_some(knot);
     }
@@ -461,7 +461,7 @@ fn ramps(seconds: u64, context: &Context<'_, impl Parts>) -> (i64, i64) {
 }
 
 /// Whether a cubic that begins and ends with these velocities goes on in its direction all along, and no faster than it may.
-const fn is_tame(first: i64, last: i64, knot: Knot) -> bool {
+const fn is_monotone(first: i64, last: i64, knot: Knot) -> bool {
     let sign = knot.distance.signum();
     let distance = knot.distance.saturating_abs();
     let (first, last) = (first.saturating_mul(sign), last.saturating_mul(sign));
