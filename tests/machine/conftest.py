@@ -97,6 +97,7 @@ def numbered(image, fresh):
         bench = start.like(fresh)
         bench.give_node_id(NODE_ID, store=True)
         bench.chip.cycle_power()
+        bench.chip.leave()
         return bench.chip.parameters
 
     return once(image, begin)

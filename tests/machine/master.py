@@ -1,5 +1,7 @@
 """python-canopen and the chip, in one thread: time passes on the chip's clock, and only while python-canopen waits (`stepped.py`)."""
 
+import functools
+
 import canopen
 from canopen.profiles.p402 import BaseNode402
 
@@ -8,6 +10,12 @@ from judge import FACTORY
 from stepped import LOOK
 from stm32f405 import HZ, MS
 from stm32f405.bxcan import Frame
+
+
+@functools.cache
+def data_sheet(eds, node_id):
+    """Reading it takes as long as some of the tests."""
+    return canopen.import_od(str(eds), node_id)
 
 
 class Bench:
@@ -79,6 +87,6 @@ class Bench:
         assert boot_up.next() == b"\x00"
 
     def add(self, node_id, eds):
-        node = BaseNode402(node_id, str(eds))
+        node = BaseNode402(node_id, data_sheet(eds, node_id))
         self.network.add_node(node)
         return node

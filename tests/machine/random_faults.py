@@ -42,15 +42,16 @@ FASTEST = HZ // RATE * 49 // 50
 WORKS_ON, FAULT, END = "works on", "fault", "end"
 
 
-#: Statusword: a limit holds the motor back.
-INTERNAL_LIMIT = 0x0800
+#: Statusword: a limit holds the motor back. The switches: behind the motor, which goes forwards,
+#: and before it.
+INTERNAL_LIMIT, LIMITS = 0x0800, ("PA4", "PA5")
 
 
 class Fault:
     """Something that goes wrong on a chip. `begin` is its moment; `text` tells what was drawn."""
 
     def __init__(self, chance):
-        self.chance, self.text = chance, ""
+        self.chance, self.text, self.pin = chance, "", None
 
     def between(self, least, most):
         """A time, each order of magnitude as likely as another."""
@@ -130,7 +131,7 @@ class StuckLine(Fault):
 
     def begin(self, drive):
         chance = self.chance
-        pin = chance.choice(("PA4", "PA5", "PA6", "PA7", "PB11", "PC0", "PA3", "PB12"))
+        self.pin = pin = chance.choice((*LIMITS, "PA6", "PA7", "PB11", "PC0", "PA3", "PB12"))
         level, edges = chance.randint(0, 1), chance.choice((0, 0, 3, 200))
         self.text = f"{pin} is {level} behind {edges} edges"
         for i in range(edges):
@@ -155,8 +156,9 @@ SUPPLY, DRIVER, PULSES, LATE, BREAK, BUS_OFF, PASSIVE = 0x3220, 0x5400, 0x5200, 
 
 #: What each fault may lead to, and by which codes it may be told.
 ALLOWED = {
-    # Ten milliseconds in all at most: longer than pulses are committed ahead.
-    LateAccess: ({WORKS_ON, FAULT}, {LATE}),
+    # Ten milliseconds in all at most: longer than pulses are committed ahead, and a timer that is
+    # looked at so late may seem to stand.
+    LateAccess: ({WORKS_ON, FAULT}, {LATE, PULSES}),
     FailingFlash: ({WORKS_ON}, set()),
     DeafConverter: ({WORKS_ON}, set()),
     FailingStream: ({FAULT}, {PULSES}),
@@ -232,9 +234,12 @@ class Run:
             return FAULT, codes
         assert drive.has_power() == self.had_power
         if drive[0x6041] & INTERNAL_LIMIT:
-            # A limit switch has ended the motion, and that is how it is told.
-            assert isinstance(self.fault, StuckLine) and not moved
+            # A limit switch is how it is told.
+            assert self.fault.pin in LIMITS, f"a limit, by {self.fault.text}"
+        if drive[0x6041] & INTERNAL_LIMIT and self.fault.pin == LIMITS[1]:
+            assert not moved, f"{moved} pulses into a limit switch"
         elif not codes and self.name in SPEED:
+            # Away from a limit switch the way is free.
             assert abs(moved - SPEED[self.name] // 200) <= 3, f"{moved} pulses in 5 ms, and not a word"
         return WORKS_ON, codes
 

@@ -154,3 +154,23 @@ def test_after_a_reset_of_the_node_the_boot_up_is_its_first_frame(drive):
     # That the controller was error passive may be told before, as its identifier is lower; of the life before there is nothing.
     assert {frame.id for frame in sent[:boot_up]} <= {EMERGENCY}
     assert {frame.id for frame in sent[boot_up + 1 :]} <= {EMERGENCY}
+
+
+def test_after_a_change_of_the_bit_rate_nothing_of_before_is_sent(drive):
+    chip = drive.chip
+    # To configuration state, and 500 kbit/s.
+    for command in ("04 01", "13 00 02"):
+        chip.can.to_send.append(Frame(0x7E5, False, False, bytes.fromhex(command).ljust(8, b"\0")))
+    chip.run(2 * MS)
+    # Nobody acknowledges from here on, so an SDO answer waits. Then the change, 20 ms later.
+    chip.can.acknowledged = False
+    for identifier, data in ((0x600 + NODE_ID, "40 00 10"), (0x7E5, "15 14 00")):
+        chip.can.to_send.append(Frame(identifier, False, False, bytes.fromhex(data).ljust(8, b"\0")))
+    chip.run(5 * MS)
+    waiting = {chip.can[f"T{i}IR"] >> 21 for i in range(3) if chip.can[f"T{i}IR"] & 1}
+    assert waiting == {0x580 + NODE_ID}
+    assert chip.run(100 * MS, lambda: chip.can.bit() == HZ // 500_000)
+    since, chip.can.acknowledged = chip.time, True
+    chip.run(100 * MS)
+    assert {frame.id for frame in drive.bench.sent_since(since)} <= {EMERGENCY}
+    assert drive[0x1000] == 0x40192

@@ -1,4 +1,5 @@
-"""A master that has a serial CAN adapter: LSS, single objects, a block transfer and a move, by python-canopen over SLCAN."""
+"""A master that has a serial CAN adapter: LSS, a power cycle, single objects, a block transfer and
+a move, by python-canopen over SLCAN."""
 
 import random
 
@@ -7,6 +8,7 @@ import pytest
 from adapter import Adapter
 from conftest import EDS, NODE_ID
 from drive import ENABLE, PROFILE_POSITION, Drive
+from frames import Frames
 from judge import judge_pulses
 from stepped import VirtualTime
 from stm32f405 import Chip
@@ -20,17 +22,21 @@ def bench(image, monkeypatch):
     bench.connect_by(can.interfaces.slcan.slcanBus("adapter", bitrate=1_000_000, sleep_after_open=0))
     bench.milliseconds(150)
     yield bench
+    bench.chip.leave()
     judge_pulses(bench.chip, bench.pulse_times)
     bench.slcan.shutdown()
 
 
-def test_from_the_first_start_to_a_move(bench):
+def test_from_the_first_start_over_a_power_cycle_to_a_move(bench):
     assert (bench.is_open, bench.bit_rate) == (True, "8")
     lss = bench.network.lss
     lss.RESPONSE_TIMEOUT = 0.02
     found, words = lss.fast_scan()
     assert found and words[:3] == [0, 0x402, 0x10000]
-    bench.give_node_id(NODE_ID)
+    bench.give_node_id(NODE_ID, store=True)
+    boot_up = Frames(bench.network, 0x700 + NODE_ID)
+    bench.chip.cycle_power()
+    assert boot_up.next() == b"\x00"
     drive = Drive(bench, bench.add(NODE_ID, EDS))
     assert drive[0x1000] == 0x40192
     data = random.Random(1).randbytes(2_000)

@@ -37,3 +37,19 @@ def test_an_unconfigured_chip_is_found_numbered_and_keeps_its_number(unconfigure
 def test_the_chip_boots_within_a_tenth_of_a_second(bench):
     assert bench.frames[0].id == 0x700 + NODE_ID
     assert bench.frames[0].time < 100 * MS
+
+
+def test_a_bus_that_somebody_holds_stops_nothing_but_frames(start, numbered):
+    """The controller does not come out of its initialisation, and nobody waits for it."""
+    bench = start(flash=numbered)
+    chip = bench.chip
+    chip.can.hold(True)
+    bench.milliseconds(200)
+    ticks = chip.core.counts[15]
+    bench.milliseconds(100)
+    assert chip.core.counts[15] - ticks in range(99, 102)
+    assert chip.can["MSR"] & 1 and not chip.can["MCR"] & 1
+    assert (bench.frames, chip.resets) == ([], [])
+    chip.can.hold(False)
+    bench.milliseconds(5)
+    assert bench.frames[0].id == 0x700 + NODE_ID

@@ -57,6 +57,8 @@ class Can(Peripheral):
         self.on_frame = lambda frame: None
         #: Somebody acknowledges; the clocks of a bit that the others have, or None for those that the controller has.
         self.acknowledged, self.bus_bit = True, None
+        #: Somebody holds the bus dominant (`hold`).
+        self.held = False
         self.stats = collections.Counter()
         super().__init__(chip)
 
@@ -84,7 +86,7 @@ class Can(Peripheral):
         return (self.began // self.bit() & 0xFFFF) << 16
 
     def takes_part(self):
-        return not self.r[0x04] & (INAK | SLAK) and self.normal_at == NEVER and not self.r[0x18] & BOFF
+        return not self.r[0x04] & (INAK | SLAK) and not self.r[0x18] & BOFF
 
     # Registers.
 
@@ -110,13 +112,21 @@ class Can(Peripheral):
             return
         if self["MSR"] & (INAK | SLAK):
             from_init = self["MSR"] & INAK
-            self["MSR"] = msr
             self.check_pins()
             if self["ESR"] & BOFF:
+                self["MSR"] = msr
                 if from_init:
                     self.recover_at = now + 128 * 11 * self.bit()
             else:
-                self.normal_at = now + 11 * self.bit()
+                # It says that it is there once it has seen so many recessive bits.
+                self.normal_at = NEVER if self.held else now + 11 * self.bit()
+
+    def hold(self, held):
+        """The bus is held dominant from now on, with no frame on it, or let go."""
+        assert not self.on_bus
+        self.held = held
+        if not held and not self["MCR"] & (INRQ | SLEEP):
+            self.normal_at = self.chip.now() + 11 * self.bit()
 
     def check_pins(self):
         for pin in (8, 9):
@@ -249,6 +259,7 @@ class Can(Peripheral):
             self["ESR"] = 0
         if self.normal_at <= now:
             self.normal_at = NEVER
+            self["MSR"] &= ~(INAK | SLAK)
         if self.busy_until <= now:
             kind, what = self.on_bus
             self.on_bus, self.busy_until, self.idle_from = None, NEVER, now + 3 * self.bit()

@@ -87,7 +87,7 @@ class Chip:
         self.tim3, self.tim5, self.can = Tim3(self), Tim5(self), Can(self)
         if old is not None:
             self.can.on_frame, self.can.stats, self.can.bus_bit = old.on_frame, old.stats, old.bus_bit
-            self.can.acknowledged = old.acknowledged
+            self.can.acknowledged, self.can.held = old.acknowledged, old.held
         blocks = {
             0x4002_3800: self.rcc, 0x4002_3C00: self.flash, 0x4000_3000: self.iwdg, 0x4000_7000: self.pwr, 0x4001_3C00: self.exti,
             0x4001_3800: self.syscfg, 0x4001_2000: self.adc, 0x4002_6400: self.dma2, 0x4001_0000: self.tim1, 0x4000_0000: self.tim2,
@@ -189,8 +189,7 @@ class Chip:
         if self.is_off:
             return
         if self.stale or self.time >= self.soon or self.time >= core.system.ticks_at:
-            while self.pass_events(core):
-                pass
+            self.pass_events(core)
             if core is not self.core or core.is_stopped:
                 return
             core.take_lines()
@@ -202,25 +201,23 @@ class Chip:
         self.stale = False
 
     def pass_events(self, core):
-        """What is due happens. Whether anything was, so that more may be due."""
-        due, soon = False, NEVER
+        """What is due happens. An event changes its own peripheral's next one alone."""
+        time, soon = self.time, NEVER
         for peripheral in self.with_events:
             at = peripheral.next_event()
-            if at <= self.time:
+            while at <= time:
                 peripheral.event()
+                if core is not self.core:
+                    return
                 if peripheral is self.rcc:
                     # The only one that a loop may look at and still be one (`load`).
                     core.loops, core.seen, core.whole = False, {}, None
-                due = core is self.core
-                if not due:
-                    return False
-            elif at < soon:
+                at = peripheral.next_event()
+            if at < soon:
                 soon = at
-        if core.system.ticks_at <= self.time:
-            core.system.tick(self.time)
-            due = True
+        while core.system.ticks_at <= time:
+            core.system.tick(time)
         self.soon, self.stale = soon, False
-        return due
 
     def run(self, clocks, is_over=lambda: False):
         """Lets so much time pass, or less if something is over."""

@@ -44,7 +44,7 @@ STACKED = (
 
 FLOATS = [*(UC_ARM_REG_D0 + i for i in range(8)), UC_ARM_REG_FPSCR]
 
-GENERAL = [*range(UC_ARM_REG_R0, UC_ARM_REG_R12 + 1), UC_ARM_REG_LR, UC_ARM_REG_XPSR, UC_ARM_REG_SP, UC_ARM_REG_PC]
+GENERAL = [*range(UC_ARM_REG_R0, UC_ARM_REG_R12 + 1), UC_ARM_REG_LR, UC_ARM_REG_XPSR, UC_ARM_REG_SP]
 
 
 class Views:
@@ -52,6 +52,7 @@ class Views:
 
     def __init__(self, engine):
         self.general = engine.registers(GENERAL)
+        self.place = engine.registers((UC_ARM_REG_SP, UC_ARM_REG_PC))
         #: What masks exceptions.
         self.masks = engine.registers((UC_ARM_REG_PRIMASK, UC_ARM_REG_BASEPRI))
         #: What an entry reads, and what it leaves.
@@ -286,8 +287,7 @@ class Core:
             return count
         self.slice = 0
         self.room = min(2 * self.room, MASKED) if self.is_held and not self.accesses else SLICE
-        state = self.views.general.read()
-        sp, pc = state[-2:]
+        sp, pc = self.views.place.read()
         if self.fault is not None:
             number, self.fault = self.fault, None
             self.pc = pc | 1
@@ -298,7 +298,7 @@ class Core:
             # unicorn does not tell where in the slice it was.
             count = min(count, 8 * self.accesses + 40 if self.cost is None else self.cost.begun)
         else:
-            self.idles(pc, state)
+            self.idles(pc)
             self.pc = pc | 1
             at = pc - 2 - FLASH
             if self.engine.flash[at : at + 2] == WFI:
@@ -309,7 +309,7 @@ class Core:
         self.instructions += count
         return count
 
-    def idles(self, pc, state):
+    def idles(self, pc):
         """An endless loop: it has come to the same place with the same registers and the same
         memory, and looked at nothing but what only an event changes. It goes on until one, or an
         exception."""
@@ -318,6 +318,7 @@ class Core:
             return
         if pc not in self.seen and len(self.seen) > LONGEST_LOOP:
             self.seen, self.whole = {}, None
+        state = self.views.general.read()
         if state == self.seen.get(pc) and (self.whole is None or pc == self.whole[0]):
             # Memory is compared from the second time on, as most loops count in it.
             whole = pc, self.engine.everything()
