@@ -37,9 +37,6 @@ class Rcc(Peripheral):
         self.crystal_dies = False
         super().__init__(chip)
 
-    def gives_clock(self, register, bit):
-        return self.r[register] >> bit & 1
-
     def write_CR(self, value):
         old = self["CR"]
         flags = old & (HSERDY | PLLRDY | 2)

@@ -59,7 +59,8 @@ class Peripheral:
         self.chip.breach(f"{self.NAME}: {text}")
 
     def has_clock(self):
-        return self.CLOCK is None or self.chip.rcc.gives_clock(*self.CLOCK)
+        clock = self.CLOCK
+        return clock is None or self.chip.rcc.r[clock[0]] >> clock[1] & 1
 
     # The bus.
 
@@ -76,7 +77,7 @@ class Peripheral:
             return 0
         reader = self.readers[word]
         value = self.r[word] if reader is None else reader()
-        return value >> 8 * (offset & 3) & (1 << 8 * size) - 1
+        return value if size == 4 else value >> 8 * (offset & 3) & (1 << 8 * size) - 1
 
     def store(self, offset, size, value):
         word = offset & ~3
