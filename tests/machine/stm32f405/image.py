@@ -1,6 +1,8 @@
 """The ELF file of the image: what is programmed, names and source lines."""
 
 import bisect
+import io
+import pathlib
 
 from elftools.elf.elffile import ELFFile
 
@@ -8,6 +10,8 @@ from elftools.elf.elffile import ELFFile
 class Image:
     def __init__(self, path):
         self.path = str(path)
+        #: Read when they are needed: debug information, and the lines of its units.
+        self.dwarf, self.lines = None, {}
         with open(path, "rb") as file:
             elf = ELFFile(file)
             self.segments = [
@@ -41,23 +45,25 @@ class Image:
 
     def line(self, address):
         # Read only when there is something to tell: debug information is large.
-        with open(self.path, "rb") as file:
-            dwarf = ELFFile(file).get_dwarf_info()
-            ranges = dwarf.get_aranges()
-            offset = ranges.cu_offset_at_addr(address) if ranges else None
-            if offset is None:
-                return None
-            program = dwarf.line_program_for_CU(dwarf.get_CU_at(offset))
-            if program is None:
-                return None
-            best = None
-            for entry in program.get_entries():
-                state = entry.state
-                if state is None or state.end_sequence or state.address > address:
-                    continue
-                if best is None or state.address >= best.address:
-                    best = state
-            if best is None:
-                return None
-            files, first = program["file_entry"], 0 if program["version"] >= 5 else 1
-            return f"{files[best.file - first].name.decode()}:{best.line}"
+        if self.dwarf is None:
+            self.dwarf = ELFFile(io.BytesIO(pathlib.Path(self.path).read_bytes())).get_dwarf_info()
+        ranges = self.dwarf.get_aranges()
+        offset = ranges.cu_offset_at_addr(address) if ranges else None
+        if offset is None:
+            return None
+        if offset not in self.lines:
+            self.lines[offset] = self.lines_of(self.dwarf.get_CU_at(offset))
+        lines = self.lines[offset]
+        i = bisect.bisect_right(lines, address, key=lambda line: line[0]) - 1
+        return lines[i][1] if i >= 0 else None
+
+    def lines_of(self, unit):
+        """Addresses of a unit in their order, each with its file and line."""
+        program = self.dwarf.line_program_for_CU(unit)
+        if program is None:
+            return []
+        files, first = program["file_entry"], 0 if program["version"] >= 5 else 1
+        states = [entry.state for entry in program.get_entries()]
+        lines = [(state.address, state.file, state.line) for state in states if state is not None and not state.end_sequence]
+        lines.sort(key=lambda line: line[0])
+        return [(address, f"{files[file - first].name.decode()}:{line}") for address, file, line in lines]
