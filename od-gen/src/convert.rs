@@ -52,8 +52,8 @@ pub fn convert(model: &Model, format: Format, file: &str) -> Option<Converted> {
     let mut wanted = model.clone();
     wanted.file_info.file_name = file.into();
     if format.is_of_one_device() {
-        let entries = wanted.objects.iter().flat_map(|object| &object.entries);
-        let has_values = entries.into_iter().any(|entry| entry.configured.is_some());
+        let mut entries = wanted.objects.iter().flat_map(|object| &object.entries);
+        let has_values = entries.any(|entry| entry.configured.is_some());
         if wanted.commissioning.is_none() && wanted.kind != FileKind::Dcf && !has_values {
             return None;
         }

@@ -88,11 +88,11 @@ fn has_node_id(root: Node<'_, '_>) -> bool {
 
 /// Whether anything is configured: tools write the values of a device that is for no node yet.
 fn has_values(root: Node<'_, '_>) -> bool {
-    let values = root.descendants().filter_map(|node| match node {
+    let mut values = root.descendants().filter_map(|node| match node {
         node if is(node, "actualValue") => node.attribute("value"),
         node => node.attribute("actualValue"),
     });
-    values.into_iter().any(|value| !value.trim().is_empty())
+    values.any(|value| !value.trim().is_empty())
 }
 
 /// The parameters that objects refer to, by their uniqueID.
