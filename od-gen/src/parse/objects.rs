@@ -9,6 +9,7 @@ use crate::document::Section;
 use crate::model::{Access, DefaultValue, Entry, Field, Model, Object, ObjectType, Places};
 use crate::number::Number;
 use crate::rules::structure as rule;
+use crate::source::Span;
 
 /// Fills in the types and the objects of the model.
 pub(super) fn read(
@@ -374,11 +375,7 @@ fn check_sub_0(
         finding.help(format!(
             "add [{index:04X}sub0] with DataType=0x0005, AccessType=const, DefaultValue={highest}"
         ));
-        let mut first = Entry::new(0, "Highest sub-index supported", DataType::Unsigned8);
-        first.access = Access::Constant;
-        first.default = Some(DefaultValue::number(highest.into()));
-        first.places = Places::new(section.span);
-        object.entries.insert(0, first);
+        add_sub_0(object, highest, section.span);
         return;
     };
     if first.data_type != DataType::Unsigned8 {
@@ -423,6 +420,15 @@ fn check_sub_0(
     } else {
         format!("write DefaultValue={highest}")
     });
+}
+
+/// Adds the sub-index 0 that an object must have.
+pub(super) fn add_sub_0(object: &mut Object, highest: u8, span: Span) {
+    let mut first = Entry::new(0, "Highest sub-index supported", DataType::Unsigned8);
+    first.access = Access::Constant;
+    first.default = Some(DefaultValue::number(highest.into()));
+    first.places = Places::new(span);
+    object.entries.insert(0, first);
 }
 
 /// Whether a sub-index 0 always tells the highest one: that of a mapping and of the list of errors changes.

@@ -36,9 +36,14 @@ pub(super) fn read(
         };
         let nothing = Section::new(format!("{index:04X}"));
         objects::read_subs(&mut object, &nothing, sections, broken, findings);
-        if !object.entries.is_empty() {
-            model.objects.push(object);
+        let Some(last) = object.entries.last().map(|entry| entry.sub) else {
+            continue;
+        };
+        // It has been said that the object is not there.
+        if object.entry(0).is_none() {
+            objects::add_sub_0(&mut object, last, section.span);
         }
+        model.objects.push(object);
     }
     model.objects.sort_by_key(|object| object.index);
 }
