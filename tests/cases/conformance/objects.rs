@@ -182,7 +182,8 @@ fn count(sheet: &Model, index: u16) -> i128 {
     count.unwrap_or(0)
 }
 
-/// A segment without a transfer, a command that there is none of, and a toggle bit that does not toggle, which ends its transfer.
+/// A segment without a transfer, a command that there is none of, and a toggle bit that does not
+/// toggle, which ends its transfer.
 pub fn are_read_in_turn<S: Station>(sheet: &Model, line: &mut Line<S>) {
     for command in [0x00, 0x10, 0x60, 0x70, 0xE0, 0xFF] {
         let refused = line.ask([command, 0, 0x10, 0, 0, 0, 0, 0]);

@@ -165,7 +165,8 @@ pub fn is_sent_by_sync<S: Station>(sheet: &Model, line: &mut Line<S>) {
     }
 }
 
-/// Two values of an object that a transmit PDO may carry, that an SDO changes and nothing else: the first that is found.
+/// Two values of an object that a transmit PDO may carry, that an SDO changes and nothing else: the
+/// first that is found.
 fn changing_object<S: Station>(
     sheet: &Model,
     line: &mut Line<S>,
@@ -184,7 +185,8 @@ fn changing_object<S: Station>(
     })
 }
 
-/// Types 254 and 255: by the event timer, and by each change, but no sooner than the inhibit time is over.
+/// Types 254 and 255: by the event timer, and by each change, but no sooner than the inhibit time
+/// is over.
 pub fn is_sent_by_event<S: Station>(sheet: &Model, line: &mut Line<S>) {
     switch_all_off(sheet, line);
     let changing = changing_object(sheet, line);

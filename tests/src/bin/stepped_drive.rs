@@ -2,8 +2,8 @@
 //!
 //! It reads lines. `604 [8] 40 00 10 00` gives a frame to the bus, in the notation of the cases. `+1000` lets so many microseconds pass,
 //! fewer if the drive sends something: it answers with a frame of the drive, if there is one, and with `=` and the present time in
-//! microseconds. Nothing else makes time pass. An axis is given as to `sim serve`: `stepped_drive --plant FILE.toml`; `--basic-device` is the
-//! device without a drive whose flash is measured, in place of one.
+//! microseconds. Nothing else makes time pass. An axis is given as to `sim serve`, by
+//! `--plant FILE.toml`; `--basic-device` is the device without a drive whose flash is measured.
 
 use std::error::Error;
 use std::io::{self, Write};

@@ -139,7 +139,8 @@ pub(crate) fn is_taken<D: Dictionary>(dictionary: &D, entry: &Entry, new: &[u8])
 /// The communication parameter of the first transmit PDO.
 const TRANSMIT_PDO: u16 = 0x1800;
 
-/// Whether an object with this value makes the device send its identifier, or the clients of its SDO server.
+/// Whether an object with this value makes the device send its identifier, or the clients of its
+/// SDO server.
 fn is_sent(entry: &Entry, cob_id: u32) -> bool {
     let is_heard_only = matches!(entry.index, 0x1028 | 0x1400..=0x17FF);
     // Whoever follows SYNC, must not send it as something else.

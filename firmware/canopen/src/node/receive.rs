@@ -85,8 +85,8 @@ impl<D: Dictionary> Node<D> {
         now: Instant,
         application: &mut A,
     ) {
-        // In the silence of a bit rate switch no answer could tell of what was done. An abort needs none, and nothing of its
-        // transfer may be sent afterwards.
+        // In the silence of a bit rate switch no answer could tell of what was done. An abort needs
+        // none, and nothing of its transfer may be sent afterwards.
         if self.services.agenda.is_mute && self.is_switching(now) && !Request::is_abort(request) {
             return;
         }

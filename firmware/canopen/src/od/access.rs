@@ -196,8 +196,8 @@ fn check_limits(
     }
 }
 
-/// A number that is in order with those of other values of the type. REALs are in the order of the numbers, the lower zero before the higher one
-/// and NaN beyond the ends.
+/// A number that is in order with those of other values of the type. REALs are in the order of the
+/// numbers, the lower zero before the higher one and NaN beyond the ends.
 #[inline(never)]
 fn rank(data_type: DataType, bytes: &[u8]) -> u64 {
     const SIGN: u64 = 1 << 63;

@@ -1,5 +1,5 @@
-//! Objects whose index the code knows: where they lie is found when the device is compiled. There is no search, and no code at all for what
-//! the data sheet does not list.
+//! Objects whose index the code knows: where they lie is found when the device is compiled. There
+//! is no search, and no code at all for what the data sheet does not list.
 
 use core::marker::PhantomData;
 
@@ -30,7 +30,8 @@ pub(crate) const fn place(table: &Table, index: u16, sub: u8, size: u16) -> usiz
 }
 
 impl Table {
-    /// Whether an object with an index from `first` to `last` can be written: for the compiler, as well.
+    /// Whether an object with an index from `first` to `last` can be written: for the compiler, as
+    /// well.
     pub(crate) const fn is_written(&self, first: u16, last: u16) -> bool {
         let mut entries = self.entries;
         while let [entry, rest @ ..] = entries {

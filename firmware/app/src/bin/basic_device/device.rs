@@ -1,5 +1,5 @@
-//! The device behind the frames: its node, and an application that has something to say. The image whose flash is measured and the device
-//! that the tests put on a bus are this one.
+//! The device behind the frames: its node, and an application that has something to say. The image
+//! whose flash is measured and the device that the tests put on a bus are this one.
 
 use canopen::cia301::emergency::{Emergency, ErrorRegister};
 use canopen::cia301::nmt::Reset;
@@ -48,7 +48,8 @@ impl BasicDevice {
         self.node.transmit(&mut ())
     }
 
-    /// The next thing that has happened. Resets are done by then; settings are kept as long as there is power.
+    /// The next thing that has happened. Resets are done by then; settings are kept as long as
+    /// there is power.
     pub fn event(&mut self, now: Instant) -> Option<Event> {
         let event = self.node.event();
         match event {

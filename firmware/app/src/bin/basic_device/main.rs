@@ -1,8 +1,9 @@
 //! A device with what other open stacks have by default, to measure its flash: four receive and four transmit PDOs, SYNC, TIME,
 //! emergency messages, heartbeats both ways, LSS, and an SDO server without block transfer (`tests/eds/basic-device.eds`).
 //!
-//! This image is built and measured: frames and time come from cells that the compiler knows nothing about, and what the device sends goes
-//! there too. There is no driver in it. The tests run the same device ([`device`]) on a simulated bus.
+//! This image is built and measured: frames and time come from cells that the compiler knows
+//! nothing about, and what the device sends goes there too. There is no driver in it. The tests run
+//! the same device ([`device`]) on a simulated bus.
 #![no_std]
 #![no_main]
 
