@@ -1,7 +1,7 @@
 //! The modes of position and velocity on a loop, changes between them and to torque, and limits of the torque in each.
 
 use sim::plant::AXES;
-use tests::drive::{INTERNAL_LIMIT, OPERATION_ENABLED, SWITCHED_ON};
+use tests::drive::{INTERNAL_LIMIT, OPERATION_ENABLED, SWITCHED_ON, ServoBench};
 
 use super::{enabled, hold, torque};
 
@@ -21,6 +21,33 @@ fn m45_a_move_ends_where_it_should_on_each_axis() {
             assert!((-1.5..2.5).contains(&truly), "{}: {truly}", axis.name);
         }
     }
+}
+
+#[test]
+fn m45_a_load_that_comes_as_soon_as_the_drive_is_enabled_is_held() {
+    let mut drive = ServoBench::on_axis("servo_100w");
+    drive.write_u8(0x6060, 0, 1);
+    drive.enable();
+    drive.plant().load_torque = 0.15;
+    drive.run_millis(200);
+    assert!(drive.position().abs() <= 1, "{}", drive.position());
+    assert_eq!(drive.read_i32(0x6062, 0), 0);
+}
+
+#[test]
+fn m45_what_was_given_ahead_of_a_ramp_ends_with_it() {
+    let mut drive = enabled("servo_100w", 1);
+    drive.write_u32(0x6083, 0, 40_000_000);
+    drive.write_u32(0x6084, 0, 40_000_000);
+    drive.begin_move(100);
+    drive.run_millis(8);
+    let mut furthest = 0;
+    for _ in 0..40 {
+        drive.run_millis(1);
+        furthest = furthest.max((drive.position() - 100).abs());
+    }
+    assert!(furthest <= 5, "{furthest} counts away behind the ramp");
+    assert!((drive.position() - 100).abs() <= 1);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use canopen::Instant;
 
 use super::{Drive, Inputs, Tick};
-use crate::actuator::Actuator;
+use crate::actuator::{Actuator, TORQUE_MODES};
 use crate::objects::Objects;
 use crate::periphery::News;
 use crate::periphery::digital_outputs::Shown;
@@ -69,9 +69,12 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
     pub(super) fn await_rotor(&mut self, now: Instant, inputs: &Inputs) {
         if !self.power.is_on() {
             let release = u64::from(self.configuration.brake.release).saturating_mul(1_000);
-            let wait = match inputs.slack {
-                0 => 0,
-                _ => release.saturating_add(CATCH),
+            // A field that is led by the rotor draws it nowhere.
+            let is_drawn = inputs.slack != 0 && D::DRIVE.modes & TORQUE_MODES == 0;
+            let wait = if is_drawn {
+                release.saturating_add(CATCH)
+            } else {
+                0
             };
             self.brakes.caught = Instant::from_ticks(now.ticks().saturating_add(wait));
         }

@@ -27,7 +27,12 @@ impl Axis {
         let begin = now.saturating_sub(half);
         let speed = |at| self.trace.at(at).velocity.speed(self.clock);
         let change = i128::from(speed(end).minus(speed(begin)).bits());
-        let ticks = i128::from(end.saturating_sub(begin));
+        // Behind the last record the motor stands, or keeps its velocity: the ramp is over.
+        let ticks = if now < self.committed {
+            i128::from(end.saturating_sub(begin))
+        } else {
+            0
+        };
         let in_second = change.wrapping_mul(self.clock.hz().into());
         let acceleration = in_second.checked_div(ticks).unwrap_or(0) >> 32;
         let state = self.trace.at(now);
