@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use plotters::prelude::*;
 pub use plotters::style::{BLUE, GREEN, MAGENTA, RED, RGBColor};
 use rasciigraph::Config;
@@ -49,16 +50,41 @@ pub fn in_characters(values: Vec<f64>, caption: Option<String>) -> String {
 /// # Errors
 /// Why the file cannot be written.
 pub fn as_svg(charts: &[Chart], end: f32, path: &Path) -> Result<(), String> {
+    write(charts, 0.0..end, "time in s", path)
+}
+
+/// Writes charts of a frequency in Hz, from one to another on a scale of factors, as SVG.
+///
+/// # Errors
+/// Why the file cannot be written.
+pub fn over_frequency_as_svg(
+    charts: &[Chart],
+    (first, last): (f32, f32),
+    path: &Path,
+) -> Result<(), String> {
+    write(charts, (first..last).log_scale(), "frequency in Hz", path)
+}
+
+fn write<X>(charts: &[Chart], across: X, name: &str, path: &Path) -> Result<(), String>
+where
+    X: AsRangedCoord<Value = f32> + Clone,
+    X::CoordDescType: ValueFormatter<f32>,
+{
     let mut picture = String::new();
-    draw(charts, end, &mut picture).map_err(|error| error.to_string())?;
+    draw(charts, across, name, &mut picture).map_err(|error| error.to_string())?;
     od_gen::files::write(path, picture.as_bytes()).map_err(plain)
 }
 
-fn draw(
+fn draw<X>(
     charts: &[Chart],
-    end: f32,
+    across: X,
+    across_name: &str,
     picture: &mut String,
-) -> Result<(), Box<dyn std::error::Error>> {
+) -> Result<(), Box<dyn std::error::Error>>
+where
+    X: AsRangedCoord<Value = f32> + Clone,
+    X::CoordDescType: ValueFormatter<f32>,
+{
     let height = HEIGHT * charts.len() as u32;
     let area = SVGBackend::with_string(picture, (WIDTH, height)).into_drawing_area();
     area.fill(&WHITE)?;
@@ -80,11 +106,11 @@ fn draw(
             .caption(name, ("sans-serif", 18))
             .x_label_area_size(32)
             .y_label_area_size(72)
-            .build_cartesian_2d(0.0..end, low - margin..high + margin)?;
+            .build_cartesian_2d(across.clone(), low - margin..high + margin)?;
         chart
             .configure_mesh()
             .light_line_style(TRANSPARENT)
-            .x_desc("time in s")
+            .x_desc(across_name)
             .y_label_formatter(&|value| format!("{value:.0}"))
             .draw()?;
         chart.draw_series(LineSeries::new(

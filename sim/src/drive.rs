@@ -3,6 +3,7 @@
 //! It hosts the runtime as the tasks of the firmware do: a control tick each millisecond, a refill of the pulses each quarter of one, and
 //! the node behind each tick, each frame and at its deadlines. It is a [`Station`], so any bus can carry it.
 
+mod desk;
 mod ports;
 mod setup;
 
@@ -24,6 +25,7 @@ use crate::flash::Flash;
 use crate::machine::{Machine, machine};
 use crate::plant::{Plant, PulsePlayer, STEP_CLOCK_HZ};
 use crate::settings::FactoryStore;
+use desk::Desk;
 use master::bus::Station;
 use ports::{Controller, Received, Slot, Tasks};
 
@@ -65,6 +67,7 @@ pub struct VirtualDrive<D: Dictionary, A = StepAxis> {
     next_refill: Instant,
     events: VecDeque<Event>,
     samples: Option<Vec<MotionSample>>,
+    desk: Desk,
 }
 
 impl<D: Dictionary + Objects + Default, A: Moving> VirtualDrive<D, A> {
@@ -100,6 +103,7 @@ impl<D: Dictionary + Objects + Default, A: Moving> VirtualDrive<D, A> {
             next_refill: now,
             events: VecDeque::new(),
             samples: None,
+            desk: Desk::default(),
         }
     }
 
@@ -111,6 +115,7 @@ impl<D: Dictionary + Objects + Default, A: Moving> VirtualDrive<D, A> {
         self.controller = controller(&self.node);
         self.received = Received::default();
         self.exchange = Exchange::new();
+        self.desk = Desk::default();
         self.events.clear();
         self.powered = false;
         self.was_reset = true;
@@ -207,6 +212,19 @@ impl<D: Dictionary + Objects + Default, A: Moving> VirtualDrive<D, A> {
             });
         }
         self.run_node(now);
+        self.attend();
+    }
+
+    /// What a servo has beside its orders.
+    fn attend(&mut self) {
+        let Some(servo) = self.plant.servo_mut() else {
+            return;
+        };
+        self.desk
+            .read(self.node.device().node().dictionary(), servo);
+        if let Some(found) = self.desk.news(servo) {
+            self.desk.show(self.node.dictionary_mut(), &found);
+        }
     }
 
     /// Lets the node do what there is to do. Returns when it wants to run again.

@@ -4,6 +4,7 @@ mod cyclic;
 mod faults;
 mod modes;
 mod torque;
+mod tuning;
 
 use tests::drive::ServoBench;
 

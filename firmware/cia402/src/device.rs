@@ -243,6 +243,11 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
         &mut self.hooks.application
     }
 
+    /// The object dictionary, for the firmware to put in what it has measured beside the drive.
+    pub fn dictionary_mut(&mut self) -> &mut D {
+        self.node.dictionary_mut()
+    }
+
     /// The node, for its dictionary and state.
     pub fn node(&self) -> &Node<D> {
         &self.node

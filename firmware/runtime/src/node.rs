@@ -130,6 +130,11 @@ where
         &mut self.store
     }
 
+    /// The object dictionary, for the firmware to put in what it has measured beside the drive.
+    pub fn dictionary_mut(&mut self) -> &mut D {
+        self.device.dictionary_mut()
+    }
+
     /// Goes on the bus and boots the node, or begins to look for the bit rate.
     pub fn power_on(&mut self, host: &mut impl Host, controller: &mut impl Controller) {
         let now = host.now();

@@ -106,6 +106,34 @@ pub(super) enum Command {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true)]
         arguments: Vec<OsString>,
     },
+    /// Let a drive with a servo measure its motor, which moves: data of the motor, gains, frequency response
+    Tune {
+        #[arg(value_parser = node)]
+        node: u8,
+        /// The current that it may take, in percent of the rated one
+        #[arg(long, value_name = "PERCENT", value_parser = clap::value_parser!(u8).range(1..=100))]
+        current: Option<u8>,
+        /// The bandwidth that the velocity loop shall have, in 1/s
+        #[arg(long, value_name = "1/s", value_parser = clap::value_parser!(u16).range(10..=5_000))]
+        bandwidth: Option<u16>,
+        /// Without the frequency response
+        #[arg(long, conflicts_with = "plot")]
+        no_response: bool,
+        /// Write what was found to the drive; else nothing is changed
+        #[arg(long)]
+        write: bool,
+        /// Draw the frequency response as SVG
+        #[arg(long, value_name = "FILE")]
+        plot: Option<PathBuf>,
+        /// Move by a hundredth of a turn at once, and draw that as SVG
+        #[arg(long, value_name = "FILE")]
+        step: Option<PathBuf>,
+        /// For programs
+        #[arg(long)]
+        json: bool,
+        #[command(flatten)]
+        sheet: Sheet,
+    },
     /// Show the traffic with its meaning; of the nodes that are named, PDOs by name
     Monitor {
         /// Node-IDs of devices whose PDOs are told by name

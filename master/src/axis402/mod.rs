@@ -18,6 +18,7 @@ mod problem;
 mod run;
 mod save;
 mod scan;
+mod tune;
 #[cfg(test)]
 mod walk_through;
 
@@ -37,3 +38,4 @@ pub(crate) use run::{explain, read_sheet};
 pub use run::{go_on_bus, read_data_sheet, run};
 pub use save::{Group, save};
 pub use scan::{Description, Found, present, scan};
+pub use tune::{Tuning, tune};

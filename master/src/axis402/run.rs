@@ -17,7 +17,7 @@ use od_gen::model::{Commissioning, FileKind};
 use od_gen::standard_output;
 
 use super::arguments::{Bus, Command, CommandLine, Lss, Od, Sheet};
-use super::{BitRateSwitch, Console, Node, Numbering, Problem, Setting, Watch};
+use super::{BitRateSwitch, Console, Node, Numbering, Problem, Setting, Tuning, Watch};
 use crate::bus::live::{Incoming, LiveBus};
 use crate::bus::slcan_client::Place;
 use crate::command_line;
@@ -150,6 +150,30 @@ fn perform<L: Line>(
             super::save(master, &Node { id: *node, sheet }, *group, console)
         }
         Command::Nmt { command, node } => super::nmt(master, (*command).into(), *node),
+        Command::Tune {
+            node,
+            current,
+            bandwidth,
+            no_response,
+            write,
+            plot,
+            step,
+            json,
+            sheet,
+        } => {
+            let sheet = read_sheet(sheet, console)?;
+            let node = Node::meet(master, *node, sheet)?;
+            let wanted = Tuning {
+                current: current.map(|percent| u16::from(percent) * 10),
+                bandwidth: *bandwidth,
+                is_short: *no_response,
+                writes: *write,
+                plot: plot.clone(),
+                step: step.clone(),
+                json: *json,
+            };
+            super::tune(master, &node, &wanted, console)
+        }
         // It was run before there was a bus.
         Command::Panel { .. } => Ok(()),
         Command::Monitor {

@@ -13,5 +13,6 @@ mod program;
 mod scanning;
 mod scope;
 mod signals;
+mod tuning;
 mod two_masters;
 mod vendors;

@@ -20,7 +20,7 @@ pub use axis_file::{Axis, servo_sheet};
 pub use contact::{Sensed, Switch};
 pub use motor::{Heat, Load, MotorData, SupplyChange, SupplyData};
 pub use pulses::{PulsePlayer, Pulses};
-pub use servo::{AXES, ServoAxisData, ServoMotor};
+pub use servo::{AXES, Found, Request, ServoAxisData, ServoMotor, ServoSettings};
 pub use track::{Index, SwitchStates, Track, WIRES};
 
 use brake::Brake;

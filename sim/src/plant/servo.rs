@@ -3,22 +3,23 @@
 //! Time goes on in periods of the modulation. A sample in the middle of the pulses, what the converter makes of it, the current interrupt, and its widths half a period later; the
 //! control each [`CONTROL`] periods. Where the magnet is, is known from the beginning, as from an absolute encoder.
 
+mod measurement;
+
 use motion::Ticks;
-use servo::control::{ControlConfig, Fault, Goal, Order, Seen};
-use servo::current_loop::CurrentConfig;
+use servo::control::{Fault, Goal, Order, Seen};
 use servo::feedback::{Incremental, Observer};
 use servo::interrupt::Counts;
-use servo::modulation::Modulation;
 use servo::offsets::CurrentSense;
-use servo::protection::{Bus, Derating};
 use servo::transform::Rotor;
-use servo::{Angle, Control, CurrentInterrupt, CurrentLoop, Motor, Wiring};
+use servo::{Angle, Control, CurrentInterrupt, Motor, Wiring};
 use servo_plant::data::{Phases, PlantData};
 use servo_plant::{Gates, Plant, axes};
 
 use super::STEP_CLOCK_HZ;
 use crate::plant::pulses::Ordered;
 use cia402::{ServoGoal, ServoReport};
+use measurement::{Ending, Measurement, loops};
+pub use measurement::{Found, Request, ServoSettings};
 
 /// A period of the modulation, in microseconds.
 const PERIOD: u64 = 50;
@@ -122,6 +123,7 @@ impl ServoAxisData {
 /// The motor at work.
 #[derive(Clone, Debug)]
 pub struct ServoMotor {
+    data: ServoAxisData,
     plant: Plant,
     motor: Motor,
     interrupt: CurrentInterrupt,
@@ -135,6 +137,8 @@ pub struct ServoMotor {
     /// The order that the control has.
     taken: Option<Ordered>,
     fault: Option<Fault>,
+    settings: ServoSettings,
+    measurement: Measurement,
 }
 
 impl ServoMotor {
@@ -142,39 +146,25 @@ impl ServoMotor {
     pub fn new(data: &ServoAxisData, seed: u64) -> Self {
         let motor = data.motor();
         let mut plant = Plant::new(data.plant, seed);
-        let voltage = data.plant.supply.voltage as f32;
         let scale = 2.5 * data.peak_current / f32::from(MIDDLE);
-        let stage = &data.plant.stage;
-        let dead = (stage.dead_time / stage.period) as f32;
         let known = "the axes are plausible";
-        let modulation =
-            Modulation::new(motor.wiring, dead, stage.ripple as f32, 0.96).expect(known);
-        let bounds = (0.6 * voltage, 1.25 * voltage);
-        let config = CurrentConfig::quick(&motor, SECONDS, 2.0 * data.peak_current, bounds);
         let mut encoder = Incremental::new(&motor, plant.measure().count as u16, 2);
         encoder.set_angle(angle(plant.electrical_angle()));
         let mut observer = Observer::new(3_000.0, SECONDS).expect(known);
         observer.stand_at(encoder.angle());
-        let control = ControlConfig {
-            period: SECONDS * CONTROL as f32,
-            gains: servo::cascade::Gains::from_bandwidth(data.bandwidth),
-            friction: data.plant.motor.coulomb_friction as f32 / motor.torque_constant(),
-            peak_time: 2.0,
-            bus: Bus::new(1.03 * voltage, 1.05 * voltage, 1.2 * voltage).expect(known),
-            derating: Derating::new(80.0, 100.0).expect(known),
-            blocked: 0.5,
-            most_speed: data.speed as f32 * 1.2 * std::f32::consts::TAU / 60.0,
-        };
+        let settings = ServoSettings::default();
+        let (current, control) = loops(data, &motor, &settings).expect(known);
         Self {
+            data: *data,
             interrupt: CurrentInterrupt::new(
                 CurrentSense::new(scale, MIDDLE, 100).expect(known),
                 encoder,
                 observer,
-                CurrentLoop::new(&motor, config, modulation).expect(known),
+                current,
                 BUS,
             )
             .expect(known),
-            control: Control::new(&motor, control).expect(known),
+            control,
             plant,
             motor,
             scale,
@@ -183,6 +173,8 @@ impl ServoMotor {
             is_on: false,
             taken: None,
             fault: None,
+            settings,
+            measurement: Measurement::default(),
         }
     }
 
@@ -218,12 +210,18 @@ impl ServoMotor {
         }
         self.is_on = on;
         self.fault = None;
+        self.begin_anew();
+        if !on {
+            self.end_measurement(Ending::PowerOff);
+            self.plant.gates = Gates::Off;
+        }
+    }
+
+    /// The loops begin without a current.
+    fn begin_anew(&mut self) {
         self.interrupt.current.start();
         self.interrupt.order(Rotor::ZERO, 0);
         self.control.start();
-        if !on {
-            self.plant.gates = Gates::Off;
-        }
     }
 
     /// Why the motor has no current though it is to have some, as an error code of CiA 402.
@@ -270,7 +268,10 @@ impl ServoMotor {
         };
         let bus = f32::from(counts.bus) * BUS;
         self.plant.chopper = self.control.chops(bus);
-        let widths = if self.is_on && self.fault.is_none() {
+        let measures = self.measures();
+        let widths = if measures {
+            self.measure(&counts, bus, hot)
+        } else if self.is_on && self.fault.is_none() {
             let widths = self.interrupt.run(&counts);
             widths.map_err(|trip| self.control.fail(trip.into())).ok()
         } else {
@@ -279,7 +280,7 @@ impl ServoMotor {
             self.interrupt.observer.look(angle);
             None
         };
-        if self.is_on && self.periods.is_multiple_of(CONTROL) {
+        if self.is_on && !measures && self.periods.is_multiple_of(CONTROL) {
             self.order(ticks, origin);
             let seen = Seen {
                 bus,
@@ -307,8 +308,15 @@ impl ServoMotor {
         let speed = |bits: i64| bits as f32 / 4_294_967_296.0;
         let torque = |micro: u32| micro as f32 * 1e-6;
         let by_current = order.current as f32 * 1e-3 * self.motor.torque_constant();
+        let held = self.held_at();
         let goal = match order.goal {
-            ServoGoal::Torque => Goal::Torque,
+            ServoGoal::Free if held.is_some() => Goal::Position {
+                counts: held.unwrap_or_default(),
+                part: 1 << 31,
+                velocity: 0.0,
+                acceleration: 0.0,
+            },
+            ServoGoal::Torque | ServoGoal::Free => Goal::Torque,
             ServoGoal::Position {
                 counts,
                 part,
@@ -349,6 +357,7 @@ impl ServoMotor {
             torque: micro(report.torque, 1e6),
             current: micro(report.current, 1e3),
             is_limited: report.is_limited,
+            wants_free: self.wants_free(),
         }
     }
 

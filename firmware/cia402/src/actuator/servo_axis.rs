@@ -4,6 +4,9 @@
 //! them. From the time that is left to play the axis knows where the motor is to be now, finer than a step, with velocity and acceleration, and tells the port at each tick
 //! and refill. While a torque is held the axis is where the rotor is; what comes next begins there, with the velocity of the rotor.
 //!
+//! Loops that want to measure the motor are let go where the axis stands and nothing is held. Until they are done the axis is where the rotor is; any demand takes the
+//! motor back, and ends it.
+//!
 //! Positions at the port are those of the board's encoder. Torques are in µN·m there: thousandths of 6076h, which is in mN·m.
 
 use motion::low;
@@ -35,6 +38,8 @@ pub enum ServoGoal {
     },
     /// To hold the torque of the order.
     Torque,
+    /// To move the motor as they want to: its data are measured.
+    Free,
 }
 
 /// An order, in the direction of the board's encoder.
@@ -67,6 +72,8 @@ pub struct ServoReport {
     pub current: i32,
     /// A limit of the torque or the current is in the way.
     pub is_limited: bool,
+    /// The loops want to move the motor by themselves, or do so.
+    pub wants_free: bool,
 }
 
 /// The port of a servo axis. Records are played for their time alone.
@@ -86,6 +93,8 @@ pub trait ServoPort: PulseSink {
 pub struct ServoAxis<L = Emitter> {
     /// The torque that is held, in place of a path.
     held: Option<i16>,
+    /// The loops move the motor by themselves.
+    is_free: bool,
     /// A path was left before it was played.
     has_left: bool,
     is_reversed: bool,
@@ -108,6 +117,7 @@ impl<L: EmitterLock> ServoAxis<L> {
     pub fn new(config: DriveConfig, emitter: impl FnOnce() -> L) -> Self {
         Self {
             held: None,
+            is_free: false,
             has_left: false,
             is_reversed: false,
             shift: 0,
@@ -123,8 +133,23 @@ impl<L: EmitterLock> ServoAxis<L> {
 
     /// The path begins at the rotor, if a torque was held.
     fn take_up(&mut self) {
+        self.is_free = false;
         if self.held.take().is_some() {
             self.path.take_up(self.rotor.position, self.rotor.velocity);
+        }
+    }
+
+    /// Lets the loops have the motor, or takes it back where it stands.
+    fn let_go(&mut self, wants_free: bool) {
+        if wants_free && self.held.is_none() && self.path.standstill() && self.path.is_at_rest() {
+            self.path.cut_off();
+            self.has_left = true;
+            self.held = Some(0);
+            self.is_free = true;
+        } else if self.is_free && !wants_free {
+            self.is_free = false;
+            self.held = None;
+            self.path.stand_at(self.rotor.position);
         }
     }
 
@@ -137,7 +162,9 @@ impl<L: EmitterLock> ServoAxis<L> {
     }
 
     fn order(&self, port: &mut impl ServoPort) {
-        let goal = if self.held.is_some() {
+        let goal = if self.is_free {
+            ServoGoal::Free
+        } else if self.held.is_some() {
             ServoGoal::Torque
         } else {
             let reference = self.path.reference(port.pending());
@@ -250,6 +277,7 @@ impl<L: EmitterLock, P: ServoPort> AtPort<P> for ServoAxis<L> {
             current: self.share(report.current.saturating_mul(1_000), self.rated_current),
             is_limited: report.is_limited,
         };
+        self.let_go(report.wants_free);
     }
 
     fn look_again(&mut self, port: &P) {
@@ -323,6 +351,7 @@ impl<L: EmitterLock> Actuator for ServoAxis<L> {
             self.path.cut_off();
             self.has_left = true;
         }
+        self.is_free = false;
         self.held = Some(torque);
         Ok(())
     }
@@ -345,11 +374,13 @@ impl<L: EmitterLock> Actuator for ServoAxis<L> {
     }
 
     fn cut_off(&mut self) {
+        self.is_free = false;
         self.held = None;
         self.path.cut_off();
     }
 
     fn stand_at(&mut self, position: i64) {
+        self.is_free = false;
         self.held = None;
         self.path.stand_at(position);
     }

@@ -5,11 +5,11 @@ use crate::scope::{Signal, every_signal};
 
 /// Makes [`bits`] of the table.
 macro_rules! values {
-    ($($(#[$doc:meta])* $signal:ident $index:literal $sub:literal $bits:literal $kind:ident |$tick:ident| $value:expr;)*) => {
+    ($($(#[$doc:meta])* $signal:ident $index:literal $sub:literal $bits:literal $kind:ident $(with $feature:tt)? |$tick:ident| $value:expr;)*) => {
         /// The bits of a value in this tick; those above its length are 0.
         pub(super) fn bits(signal: Signal, tick: &Seen<'_>) -> u32 {
             match signal {
-                $(Signal::$signal => {
+                $($(#[cfg(feature = $feature)])? Signal::$signal => {
                     let $tick = tick;
                     $value
                 })*

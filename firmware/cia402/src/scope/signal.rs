@@ -2,8 +2,8 @@
 
 use motion::low;
 
-/// Hands the table to the macro of this name: a value, its object, its length in bits, how to read it, and where it comes from in a tick
-/// ([`crate::exchange::Seen`]).
+/// Hands the table to the macro of this name: a value, its object, its length in bits, how to read it, with which feature of the crate it is there, and where it comes
+/// from in a tick ([`crate::exchange::Seen`]).
 macro_rules! every_signal {
     ($make:ident) => {
         $make! {
@@ -33,6 +33,12 @@ macro_rules! every_signal {
             VelocityDemandValue 0x606B 0 32 Signed |tick| tick.actuals.velocity_demand.cast_unsigned();
             /// 606Ch.
             VelocityActualValue 0x606C 0 32 Signed |tick| tick.actuals.velocity_actual.cast_unsigned();
+            /// 6074h.
+            TorqueDemand 0x6074 0 16 Signed with "torque" |tick| tick.actuals.torque.demand.cast_unsigned().into();
+            /// 6077h.
+            TorqueActualValue 0x6077 0 16 Signed with "torque" |tick| tick.actuals.torque.actual.cast_unsigned().into();
+            /// 6078h.
+            CurrentActualValue 0x6078 0 16 Signed with "torque" |tick| tick.actuals.torque.current.cast_unsigned().into();
             /// 607Ah, as the tick took it.
             TargetPosition 0x607A 0 32 Signed |tick| tick.commands.target_position.cast_unsigned();
             /// 60F4h.
@@ -56,22 +62,22 @@ enum Kind {
 
 /// Makes the list.
 macro_rules! signals {
-    ($($(#[$doc:meta])* $signal:ident $index:literal $sub:literal $bits:literal $kind:ident |$tick:ident| $value:expr;)*) => {
+    ($($(#[$doc:meta])* $signal:ident $index:literal $sub:literal $bits:literal $kind:ident $(with $feature:tt)? |$tick:ident| $value:expr;)*) => {
         /// A value that can be recorded.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum Signal {
-            $($(#[$doc])* $signal,)*
+            $($(#[$doc])* $(#[cfg(feature = $feature)])? $signal,)*
         }
 
         impl Signal {
             /// All of them, by their objects.
-            pub const ALL: &[Self] = &[$(Self::$signal,)*];
+            pub const ALL: &[Self] = &[$($(#[cfg(feature = $feature)])? Self::$signal,)*];
 
             /// The value that a mapping names: index, sub-index and length in bits as in a PDO mapping (CiA 301, 1600h). `None` if that
             /// is no value of a control tick, or has another length.
             pub const fn mapped(mapping: u32) -> Option<Self> {
                 match mapping {
-                    $(mapping if mapping == Self::$signal.mapping() => Some(Self::$signal),)*
+                    $($(#[cfg(feature = $feature)])? mapping if mapping == Self::$signal.mapping() => Some(Self::$signal),)*
                     _ => None,
                 }
             }
@@ -79,13 +85,13 @@ macro_rules! signals {
             /// Its mapping.
             pub const fn mapping(self) -> u32 {
                 match self {
-                    $(Self::$signal => $index << 16 | $sub << 8 | $bits,)*
+                    $($(#[cfg(feature = $feature)])? Self::$signal => $index << 16 | $sub << 8 | $bits,)*
                 }
             }
 
             const fn kind(self) -> Kind {
                 match self {
-                    $(Self::$signal => Kind::$kind,)*
+                    $($(#[cfg(feature = $feature)])? Self::$signal => Kind::$kind,)*
                 }
             }
         }

@@ -1,0 +1,77 @@
+//! Between the objects of a servo and its loops: gains and data of the motor, orders to measure it, and what was found.
+
+use canopen::od::{self, Dictionary};
+
+use crate::plant::{Found, Request, ServoMotor, ServoSettings};
+
+/// What was seen and shown last.
+#[derive(Debug, Default)]
+pub struct Desk {
+    command: u8,
+    found: Option<Found>,
+}
+
+impl Desk {
+    /// Hands on what masters have written.
+    pub(super) fn read<D: Dictionary>(&mut self, dictionary: &D, servo: &mut ServoMotor) {
+        let word = |index, sub| od::read_u16(dictionary, index, sub).unwrap_or(0);
+        let long = |index, sub| od::read_u32(dictionary, index, sub).unwrap_or(0);
+        servo.set_up(&ServoSettings {
+            motor: [1, 2, 3, 4, 5, 6].map(|sub| long(0x20C2, sub)),
+            gains: [word(0x60F9, 1), word(0x60F9, 2), word(0x60FB, 1)],
+            share: word(0x60F6, 1),
+        });
+        let command = od::read_u8(dictionary, 0x20C0, 1).unwrap_or(0);
+        if command == std::mem::replace(&mut self.command, command) {
+            return;
+        }
+        // Told anew, though it may end as the one before.
+        self.found = None;
+        servo.request(match command {
+            1 => Request::Motor {
+                current: word(0x20C0, 2),
+                way: word(0x20C0, 3),
+                bandwidth: word(0x20C0, 4),
+            },
+            2 => Request::Chirp {
+                torque: word(0x20C0, 5),
+                frequencies: (word(0x20C0, 6), word(0x20C0, 7)),
+                time: word(0x20C0, 8),
+                way: word(0x20C0, 3),
+            },
+            _ => Request::End,
+        });
+    }
+
+    /// What there is to show, if it is not what was shown last.
+    pub(super) fn news(&mut self, servo: &ServoMotor) -> Option<Found> {
+        let found = *servo.found();
+        (self.found != Some(found)).then(|| {
+            self.found = Some(found);
+            found
+        })
+    }
+
+    /// Shows it. A command that has ended is none any more, so that the next one can be the same.
+    pub(super) fn show<D: Dictionary>(&mut self, dictionary: &mut D, found: &Found) {
+        const RESULT: u16 = 0x20C1;
+        if found.has_ended() {
+            od::write_u8(dictionary, 0x20C0, 1, 0);
+            self.command = 0;
+        }
+        od::write_u8(dictionary, RESULT, 1, found.state);
+        od::write_u8(dictionary, RESULT, 2, found.failure);
+        for (sub, value) in (3..).zip(found.winding) {
+            od::write_u32(dictionary, RESULT, sub, value);
+        }
+        od::write_u16(dictionary, RESULT, 7, found.pole_pairs);
+        od::write_u8(dictionary, RESULT, 8, found.direction.cast_unsigned());
+        od::write_u16(dictionary, RESULT, 9, found.angle);
+        for (sub, value) in (10..).zip(found.loads) {
+            od::write_u32(dictionary, RESULT, sub, value);
+        }
+        for (sub, value) in (12..).zip(found.gains) {
+            od::write_u16(dictionary, RESULT, sub, value);
+        }
+    }
+}

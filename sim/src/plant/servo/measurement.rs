@@ -1,0 +1,498 @@
+//! What the drive is set to beside its orders, and the measurement of its motor, as a board would do it.
+
+use cia402::ServoGoal;
+use servo::cascade::Gains;
+use servo::control::{ControlConfig, Fault};
+use servo::current_loop::CurrentConfig;
+use servo::interrupt::Counts;
+use servo::modulation::Modulation;
+use servo::motor::Implausible;
+use servo::protection::{Bus, Derating};
+use servo::tuning::{Chirp, Failure, Measured, Seen, Setup, Step, Tuning};
+use servo::{Angle, Control, CurrentLoop, Motor};
+
+use super::{CONTROL, SECONDS, ServoAxisData, ServoMotor};
+
+/// The bandwidth of the velocity loop for which a measurement proposes gains, if none is wanted, in 1/s: loops of 4 kHz leave room for it.
+const BANDWIDTH: f32 = 600.0;
+
+/// The share of their gains that the loops have while a sine is added: stiff ones would take it away.
+const SOFT: f32 = 0.1;
+
+/// The motor and its loops as the objects say it; 0 is what the axis has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ServoSettings {
+    /// 20C2h: in µΩ, nH along and across, nV·s, g·mm², µN·m.
+    pub motor: [u32; 6],
+    /// 60F9h:1 and 2, 60FBh:1, in 1/s.
+    pub gains: [u16; 3],
+    /// 60F6h:1, in thousandths.
+    pub share: u16,
+}
+
+impl ServoSettings {
+    /// The motor that the loops go by, and the torque of its friction.
+    fn motor(&self, data: &ServoAxisData) -> (Motor, f32) {
+        let own = data.motor();
+        let or = |number: u32, unit: f32, own: f32| match number {
+            0 => own,
+            _ => number as f32 * unit,
+        };
+        let [resistance, along, across, flux, inertia, friction] = self.motor;
+        let motor = Motor {
+            resistance: or(resistance, 1e-6, own.resistance),
+            inductance_d: or(along, 1e-9, own.inductance_d),
+            inductance_q: or(across, 1e-9, own.inductance_q),
+            flux: or(flux, 1e-9, own.flux),
+            inertia: or(inertia, 1e-9, own.inertia),
+            ..own
+        };
+        (
+            motor,
+            or(friction, 1e-6, data.plant.motor.coulomb_friction as f32),
+        )
+    }
+
+    fn gains(&self, data: &ServoAxisData) -> Gains {
+        let own = Gains::from_bandwidth(data.bandwidth);
+        let or = |number: u16, own: f32| if number == 0 { own } else { number.into() };
+        let [velocity, integral, position] = self.gains;
+        Gains {
+            position: or(position, own.position),
+            velocity: or(velocity, own.velocity),
+            integral: or(integral, own.integral),
+        }
+    }
+
+    /// `None` is that of the loop.
+    fn share(&self) -> Option<f32> {
+        (self.share > 0).then(|| f32::from(self.share) * 1e-3)
+    }
+}
+
+/// What is to be measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Request {
+    /// The motor: with this current in thousandths of the rated one, this way in thousandths of a turn, for this bandwidth in 1/s.
+    Motor {
+        /// 20C0h:2.
+        current: u16,
+        /// 20C0h:3.
+        way: u16,
+        /// 20C0h:4.
+        bandwidth: u16,
+    },
+    /// A sine is added to the torque: of these thousandths of the rated one, from one frequency to another in 0.1 Hz, for so many ms.
+    Chirp {
+        /// 20C0h:5.
+        torque: u16,
+        /// 20C0h:6 and 7.
+        frequencies: (u16, u16),
+        /// 20C0h:8.
+        time: u16,
+        /// 20C0h:3.
+        way: u16,
+    },
+    /// Nothing any more.
+    End,
+}
+
+/// How a measurement ends, as 20C1h:2 tells it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Ending {
+    /// The power went off.
+    PowerOff = 1,
+    /// See [`Failure`].
+    NoCurrent = 2,
+    NotFollowed = 3,
+    PolePairs = 4,
+    Held = 5,
+    TooFar = 6,
+    /// A demand, or a master, wanted something else.
+    Demand = 7,
+    /// There is no power, or what was asked for cannot be.
+    Impossible = 8,
+}
+
+impl From<Failure> for Ending {
+    fn from(failure: Failure) -> Self {
+        match failure {
+            Failure::Tripped(_) => Self::PowerOff,
+            Failure::Winding => Self::NoCurrent,
+            Failure::NotFollowed => Self::NotFollowed,
+            Failure::PolePairs => Self::PolePairs,
+            Failure::Held => Self::Held,
+            Failure::TooFar => Self::TooFar,
+        }
+    }
+}
+
+/// What was found, as 20C1h tells it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Found {
+    /// 20C1h:1 and 2.
+    pub state: u8,
+    /// See `state`.
+    pub failure: u8,
+    /// 20C1h:3 to 6.
+    pub winding: [u32; 4],
+    /// 20C1h:7.
+    pub pole_pairs: u16,
+    /// 20C1h:8.
+    pub direction: i8,
+    /// 20C1h:9.
+    pub angle: u16,
+    /// 20C1h:10 and 11.
+    pub loads: [u32; 2],
+    /// 20C1h:12 to 14.
+    pub gains: [u16; 3],
+}
+
+impl Found {
+    /// Whether the measurement is over.
+    pub fn has_ended(&self) -> bool {
+        self.state >= 6
+    }
+}
+
+/// Where it is.
+#[derive(Clone, Debug, Default)]
+enum Work {
+    #[default]
+    Nothing,
+    /// The axis has not let the motor go yet.
+    Waits(Wish),
+    Runs(Box<Tuning>),
+    /// Soft loops hold the motor where it began, and a sine is added.
+    Excites,
+    Ended,
+}
+
+/// What waits.
+#[derive(Clone, Copy, Debug)]
+enum Wish {
+    Motor(Setup),
+    Chirp(Chirp),
+}
+
+/// A measurement, and what it has found.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Measurement {
+    work: Work,
+    found: Found,
+    /// 20C0h:4.
+    bandwidth: u16,
+    /// Where the encoder was as it began, and how far from there a sine may move the rotor, in counts.
+    begin: i64,
+    way: u64,
+}
+
+impl ServoMotor {
+    /// Sets up the loops; the motor that they go by while there is no power.
+    pub fn set_up(&mut self, settings: &ServoSettings) {
+        let gains = ServoSettings {
+            motor: self.settings.motor,
+            ..*settings
+        };
+        if gains != self.settings {
+            self.settings = gains;
+            // What is no gain was refused by its limits.
+            let _ = self.control.set_gains(gains.gains(&self.data));
+            let own = CurrentConfig::quick(&self.motor, SECONDS, 1.0, (1.0, 1.0)).share;
+            let share = gains.share().unwrap_or(own);
+            let _ = self.interrupt.current.set_share(share);
+        }
+        if settings.motor != self.settings.motor && !self.is_on {
+            self.settings = *settings;
+            let (motor, _) = settings.motor(&self.data);
+            // A motor that cannot be is none: the one before stays.
+            if let Ok((current, control)) = loops(&self.data, &motor, settings) {
+                self.interrupt.current = current;
+                self.control = control;
+                self.motor = motor;
+            }
+        }
+    }
+
+    /// Begins a measurement, or ends it.
+    pub fn request(&mut self, request: Request) {
+        self.end_measurement(Ending::Demand);
+        let begun = match request {
+            Request::End => return,
+            _ if !self.is_on || self.fault.is_some() => Err(Implausible),
+            Request::Motor {
+                current,
+                way,
+                bandwidth,
+            } => {
+                self.measurement.bandwidth = bandwidth;
+                self.begin_measuring(current, way)
+            }
+            Request::Chirp {
+                torque,
+                frequencies,
+                time,
+                way,
+            } => self.begin_chirp(torque, frequencies, time, way),
+        };
+        match begun {
+            Ok(work) => self.measurement.work = work,
+            Err(Implausible) => self.end_as(Err(Ending::Impossible)),
+        }
+    }
+
+    fn begin_measuring(&mut self, current: u16, way: u16) -> Result<Work, Implausible> {
+        let config = config(&self.data);
+        let setup = Setup {
+            wiring: self.motor.wiring,
+            counts: self.motor.counts,
+            period: SECONDS,
+            current: f32::from(current) * 1e-3 * self.motor.rated_current,
+            trip: config.trip,
+            bus: config.bus,
+            modulation: modulation(&self.data)?,
+            way: f32::from(way) * 1e-3,
+            most_speed: speed(&self.data),
+        };
+        Tuning::new(setup)?;
+        self.measurement.found.state = 1;
+        Ok(Work::Waits(Wish::Motor(setup)))
+    }
+
+    fn begin_chirp(
+        &mut self,
+        torque: u16,
+        (first, last): (u16, u16),
+        time: u16,
+        way: u16,
+    ) -> Result<Work, Implausible> {
+        let current = f32::from(torque) * 1e-3 * self.motor.rated_current;
+        let frequencies = (f32::from(first) * 0.1, f32::from(last) * 0.1);
+        let period = SECONDS * CONTROL as f32;
+        let chirp = Chirp::new(current, frequencies, f32::from(time) * 1e-3, period)?;
+        self.measurement.way = u64::from(way) * u64::from(self.motor.counts) / 1_000;
+        self.measurement.found.state = 1;
+        Ok(Work::Waits(Wish::Chirp(chirp)))
+    }
+
+    /// What was found.
+    pub fn found(&self) -> &Found {
+        &self.measurement.found
+    }
+
+    /// Whether the axis is to let the motor go.
+    pub(super) fn wants_free(&self) -> bool {
+        matches!(
+            self.measurement.work,
+            Work::Waits(_) | Work::Runs(_) | Work::Excites
+        )
+    }
+
+    /// Where the loops hold a motor that the axis has let go.
+    pub(super) fn held_at(&self) -> Option<i64> {
+        matches!(self.measurement.work, Work::Excites).then_some(self.measurement.begin)
+    }
+
+    /// Ends it if there is one.
+    pub(super) fn end_measurement(&mut self, ending: Ending) {
+        match self.measurement.work {
+            Work::Nothing | Work::Ended => return,
+            Work::Runs(_) => self.begin_anew(),
+            Work::Excites => self.end_excitation(),
+            Work::Waits(_) => {}
+        }
+        self.end_as(Err(ending));
+    }
+
+    /// The loops are as stiff as before.
+    fn end_excitation(&mut self) {
+        self.control.excite(None);
+        // They were right before.
+        let _ = self.control.set_gains(self.settings.gains(&self.data));
+    }
+
+    fn end_as(&mut self, ending: Result<(), Ending>) {
+        let found = &mut self.measurement.found;
+        (found.state, found.failure) = match ending {
+            Ok(()) => (6, 0),
+            Err(ending) => (7, ending as u8),
+        };
+        self.measurement.work = Work::Ended;
+    }
+
+    /// Whether the measurement has the motor in this period.
+    pub(super) fn measures(&mut self) -> bool {
+        let is_free = self
+            .taken
+            .is_some_and(|taken| taken.order.goal == ServoGoal::Free);
+        match &self.measurement.work {
+            Work::Waits(wish) if is_free => {
+                let wish = *wish;
+                self.measurement.begin = self.position();
+                self.begin(wish)
+            }
+            Work::Runs(_) if is_free => true,
+            Work::Runs(_) => {
+                self.end_measurement(Ending::Demand);
+                false
+            }
+            Work::Excites => {
+                self.watch_excitation(is_free);
+                false
+            }
+            _ => false,
+        }
+    }
+
+    /// The axis has let the motor go. Returns whether the measurement has it from now on.
+    fn begin(&mut self, wish: Wish) -> bool {
+        match wish {
+            Wish::Motor(setup) => {
+                let Ok(tuning) = Tuning::new(setup) else {
+                    return false;
+                };
+                self.measurement.found = Found::default();
+                self.measurement.work = Work::Runs(Box::new(tuning));
+                true
+            }
+            Wish::Chirp(chirp) => {
+                let soft = Gains::from_bandwidth(SOFT * self.settings.gains(&self.data).velocity);
+                let _ = self.control.set_gains(soft);
+                self.control.excite(Some(chirp));
+                self.measurement.found.state = 5;
+                self.measurement.work = Work::Excites;
+                false
+            }
+        }
+    }
+
+    fn watch_excitation(&mut self, is_free: bool) {
+        let away = self.position().abs_diff(self.measurement.begin);
+        if !is_free {
+            self.end_measurement(Ending::Demand);
+        } else if away > self.measurement.way {
+            self.end_measurement(Ending::TooFar);
+        } else if !self.control.is_excited() {
+            self.end_excitation();
+            self.end_as(Ok(()));
+        }
+    }
+
+    /// A period of it.
+    pub(super) fn measure(&mut self, counts: &Counts, bus: f32, hot: i16) -> Option<[f32; 3]> {
+        self.interrupt.encoder.look(counts.timer);
+        self.interrupt.observer.look(self.interrupt.encoder.angle());
+        let Work::Runs(tuning) = &mut self.measurement.work else {
+            return None;
+        };
+        let is_hot = derating().is_none_or(|derating| derating.share(f32::from(hot) / 10.0) <= 0.0);
+        let step = tuning.run(&Seen {
+            currents: self.interrupt.sense.amperes(counts.currents),
+            bus,
+            timer: counts.timer,
+        });
+        self.measurement.found.state = 2 + tuning.stage().min(2);
+        match step {
+            Step::Widths(widths) if !is_hot => return Some(widths),
+            Step::Widths(_) => {
+                self.control.fail(Fault::Temperature);
+                self.end_as(Err(Ending::PowerOff));
+            }
+            Step::Done(measured) => {
+                self.begin_anew();
+                self.found_all(&measured);
+                self.end_as(Ok(()));
+            }
+            Step::Failed(failure) => {
+                self.begin_anew();
+                if let Failure::Tripped(trip) = failure {
+                    self.control.fail(trip.into());
+                }
+                self.end_as(Err(failure.into()));
+            }
+        }
+        None
+    }
+
+    fn found_all(&mut self, measured: &Measured) {
+        let number = |value: f32, unit: f32| (value / unit).round() as u32;
+        let counts = self.motor.counts as f32;
+        let direction = if measured.is_reversed { -1.0 } else { 1.0 };
+        let turned = direction * self.measurement.begin as f32 / counts;
+        let at_zero = measured
+            .angle
+            .minus(Angle::from_turns(turned * f32::from(measured.pole_pairs)));
+        let bandwidth = match self.measurement.bandwidth {
+            0 => BANDWIDTH,
+            wanted => wanted.into(),
+        };
+        let gains = Gains::from_bandwidth(bandwidth);
+        self.measurement.found = Found {
+            winding: [
+                number(measured.resistance, 1e-6),
+                number(measured.inductance_d, 1e-9),
+                number(measured.inductance_q, 1e-9),
+                number(measured.flux, 1e-9),
+            ],
+            pole_pairs: measured.pole_pairs,
+            direction: direction as i8,
+            angle: (at_zero.bits() >> 16) as u16,
+            loads: [
+                number(measured.inertia, 1e-9),
+                number(measured.friction, 1e-6),
+            ],
+            gains: [gains.velocity, gains.integral, gains.position].map(|gain| gain.round() as u16),
+            ..self.measurement.found
+        };
+    }
+}
+
+/// The greatest speed, in rad/s.
+fn speed(data: &ServoAxisData) -> f32 {
+    data.speed as f32 * std::f32::consts::TAU / 60.0
+}
+
+fn modulation(data: &ServoAxisData) -> Result<Modulation, Implausible> {
+    let stage = &data.plant.stage;
+    let dead = (stage.dead_time / stage.period) as f32;
+    Modulation::new(data.motor().wiring, dead, stage.ripple as f32, 0.96)
+}
+
+fn config(data: &ServoAxisData) -> CurrentConfig {
+    let voltage = data.plant.supply.voltage as f32;
+    let bounds = (0.6 * voltage, 1.25 * voltage);
+    CurrentConfig::quick(&data.motor(), SECONDS, 2.0 * data.peak_current, bounds)
+}
+
+fn derating() -> Option<Derating> {
+    Derating::new(80.0, 100.0).ok()
+}
+
+/// The loops for a motor.
+pub(super) fn loops(
+    data: &ServoAxisData,
+    motor: &Motor,
+    settings: &ServoSettings,
+) -> Result<(CurrentLoop, Control), Implausible> {
+    let voltage = data.plant.supply.voltage as f32;
+    let own = config(data);
+    let current = CurrentConfig {
+        share: settings.share().unwrap_or(own.share),
+        ..own
+    };
+    let (_, friction) = settings.motor(data);
+    let control = ControlConfig {
+        period: SECONDS * CONTROL as f32,
+        gains: settings.gains(data),
+        friction: friction / motor.torque_constant(),
+        peak_time: 2.0,
+        bus: Bus::new(1.03 * voltage, 1.05 * voltage, 1.2 * voltage)?,
+        derating: derating().ok_or(Implausible)?,
+        blocked: 0.5,
+        most_speed: speed(data) * 1.2,
+    };
+    Ok((
+        CurrentLoop::new(motor, current, modulation(data)?)?,
+        Control::new(motor, control)?,
+    ))
+}
