@@ -1,8 +1,8 @@
 //! What ends operation of a drive whose motor is moved by its current, and the error codes.
 
-use tests::drive::{FAULT, OPERATION_ENABLED, ServoBench};
+use tests::drive::{FAULT, INTERNAL_LIMIT, OPERATION_ENABLED, ServoBench};
 
-use super::{enabled, hold};
+use super::{enabled, hold, torque};
 
 /// The drive is in fault within so many milliseconds, with one of these codes, and the motor has no current.
 #[track_caller]
@@ -85,4 +85,90 @@ fn m45_heat_of_the_stage_is_a_fault() {
     let mut drive = turning("servo_100w");
     drive.axis().plant_mut().temperature = 1_050;
     fails(&mut drive, 500, &[0x4310, 0x4210]);
+}
+
+#[test]
+fn m45_a_bus_that_rises_beyond_its_bound_is_a_fault() {
+    let mut drive = turning("servo_100w");
+    drive.plant().charge_bus(1.4 * 48.0);
+    fails(&mut drive, 50, &[0x3210]);
+}
+
+#[test]
+fn m45_a_motor_that_is_driven_too_fast_is_a_fault() {
+    let mut drive = enabled("servo_100w", 4);
+    // 1.2 times the 3,000 1/min of the axis.
+    drive.write_u16(0x6072, 0, 100);
+    drive.plant().load_torque = -0.05;
+    drive.reaches(FAULT, 1_000);
+    assert_eq!(drive.read_u16(0x603F, 0), 0x7310);
+    drive.plant().load_torque = 0.0;
+    drive.plant().load_brake = 0.2;
+    drive.run_millis(500);
+    let currents = drive.plant().phase_currents();
+    assert!(currents.iter().all(|current| current.abs() < 0.01));
+    assert_eq!(drive.plant().velocity(), 0.0);
+}
+
+#[test]
+fn m45_braking_stays_below_the_bound_of_the_bus() {
+    let mut drive = enabled("servo_400w", 3);
+    let counts = drive.read_u32(0x608F, 1) as i32;
+    for acceleration in [0x6083, 0x6084] {
+        drive.write_u32(acceleration, 0, counts as u32 * 2_000);
+    }
+    drive.write_i32(0x60FF, 0, 45 * counts);
+    drive.run_millis(300);
+    drive.write_i32(0x60FF, 0, 0);
+    let (mut most, mut chops) = (0_f64, false);
+    for _ in 0..200 {
+        drive.run_millis(1);
+        most = most.max(drive.plant().bus_voltage());
+        chops |= drive.plant().chopper;
+    }
+    assert!(chops, "the chopper was on");
+    assert!((48.0 * 1.03..48.0 * 1.2).contains(&most), "{most} V");
+    assert!(OPERATION_ENABLED.is_shown_by(drive.statusword()));
+    assert_eq!(drive.read_i32(0x606C, 0), 0);
+}
+
+#[test]
+fn m45_a_hot_stage_gives_less_torque() {
+    let mut drive = enabled("servo_100w", 4);
+    hold(&mut drive);
+    drive.write_u32(0x6087, 0, 100_000);
+    // What the board warns of and what it ends by its temperature is elsewhere.
+    drive.write_i16(0x2074, 2, 1_200);
+    drive.write_i16(0x2074, 3, 1_200);
+    drive.write_i16(0x6071, 0, 1_000);
+    drive.run_millis(50);
+    assert!((torque(&mut drive) - 1_000).abs() <= 5);
+    assert_eq!(drive.statusword() & INTERNAL_LIMIT, 0);
+    // From 80 °C on it falls to nothing at 100 °C: at 97 °C 15 % of the peak of three times the rated one is left.
+    drive.axis().plant_mut().temperature = 970;
+    drive.run_millis(50);
+    let left = torque(&mut drive);
+    assert!((440..=460).contains(&left), "{left}");
+    assert_eq!(drive.statusword() & INTERNAL_LIMIT, INTERNAL_LIMIT);
+}
+
+#[test]
+fn m45_heat_of_the_motor_is_warned_of_before_a_held_rotor_is_blocked() {
+    let mut drive = enabled("servo_100w", 4);
+    hold(&mut drive);
+    drive.write_u32(0x6087, 0, 100_000);
+    drive.write_i16(0x6071, 0, 2_500);
+    drive.run_millis(50);
+    assert!((torque(&mut drive) - 2_500).abs() <= 10);
+    // What the peak of three times may add in two seconds, 2.5 times add in three.
+    drive.run_millis(2_500);
+    assert_eq!(drive.statusword() & 0x80, 0);
+    let mut waited = 0;
+    while drive.statusword() & 0x80 == 0 {
+        drive.run_millis(10);
+        waited += 10;
+        assert!(waited < 500, "2350h is a warning");
+    }
+    // Then the heat takes back what was asked for, and the rotor that is held is blocked at a limit.
+    fails(&mut drive, 500, &[0x7121]);
 }

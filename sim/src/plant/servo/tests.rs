@@ -102,10 +102,10 @@ impl Rig {
     }
 }
 
-/// How many moments: `SERVO_MOMENTS`, or some.
+/// How many moments: `AXIS402_SOAK_BREAKS`, or some.
 fn moments() -> u64 {
-    let wanted = std::env::var("SERVO_MOMENTS");
-    wanted.map_or(60, |text| text.parse().unwrap())
+    let wanted = std::env::var("AXIS402_SOAK_BREAKS");
+    wanted.map_or(200, |text| text.parse().unwrap())
 }
 
 #[test]
