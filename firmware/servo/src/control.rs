@@ -424,11 +424,8 @@ impl Control {
         let asked = interrupt.current.demand().beside_stator(angle);
         let carried = current.beside_stator(angle);
         let phases = |stator: Stator| stator.phases(self.motor.wiring);
-        if self
-            .phase_loss
-            .run(phases(asked), phases(carried))
-            .is_some()
-        {
+        let is_fed = !self.config.bus.is_sunk(seen.bus);
+        if is_fed && (self.phase_loss.run(phases(asked), phases(carried))).is_some() {
             return Some(Fault::PhaseLost);
         }
         // A magnet that turns where the encoder stands drives what the model does not know.

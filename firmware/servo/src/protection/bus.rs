@@ -3,6 +3,9 @@
 use crate::motor::Implausible;
 use crate::number::{between, is_within};
 
+/// Below this share of the voltage at which the chopper ends, the supply is not what it was.
+const SUNK: f32 = 0.85;
+
 /// See the module.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bus {
@@ -39,6 +42,11 @@ impl Bus {
         self.chops
     }
 
+    /// Whether the supply is not what it was: a current that does not flow then is no wire's fault.
+    pub fn is_sunk(&self, voltage: f32) -> bool {
+        voltage < SUNK * self.chop_until
+    }
+
     /// The share of a braking current that is left on this bus, 0 to 1. What is no number leaves none.
     pub fn braking(&self, voltage: f32) -> f32 {
         let share = (self.brake_until - voltage) / (self.brake_until - self.chop_from);
@@ -61,5 +69,9 @@ mod tests {
         let left = [48.0, 52.0, 54.0, 56.0, 70.0, f32::NAN].map(|voltage| bus.braking(voltage));
         assert_eq!(left, [1.0, 1.0, 0.5, 0.0, 0.0, 0.0]);
         assert!(Bus::new(50.0, f32::NAN, 60.0).is_err());
+        assert_eq!(
+            [42.0, 43.0].map(|voltage| bus.is_sunk(voltage)),
+            [true, false]
+        );
     }
 }
