@@ -256,6 +256,30 @@ fn one_client_at_a_time_writes_a_streamed_object() {
 }
 
 #[test]
+fn s27_each_segment_of_a_streamed_object_begins_the_time_of_the_next() {
+    let mut device = with_second_server();
+    assert_eq!(device.ask("604: 20 14 20 00 00 00 00 00").len(), 1);
+    for (segment, answer) in [
+        (
+            "604: 00 61 62 63 64 65 66 67",
+            "584: 20 00 00 00 00 00 00 00",
+        ),
+        (
+            "604: 10 61 62 63 64 65 66 67",
+            "584: 30 00 00 00 00 00 00 00",
+        ),
+        (
+            "604: 05 61 62 63 64 65 00 00",
+            "584: 20 00 00 00 00 00 00 00",
+        ),
+    ] {
+        device.pass(600);
+        assert_eq!(device.ask(segment), [answer]);
+    }
+    assert_eq!(device.firmware.stream.value, b"abcdefgabcdefgabcde");
+}
+
+#[test]
 fn a_streamed_object_that_is_read_does_not_become_another_one() {
     let value = b"the old value";
     let start = || {
