@@ -171,3 +171,19 @@ fn the_default_of_an_object_that_follows_is_never_seen() {
     let bound = "object = \"2000h\"\nparameter = \"profile_acceleration\"";
     assert_eq!(said(bound), Vec::<String>::new());
 }
+
+#[test]
+fn a_mask_is_one_of_inputs_or_of_outputs() {
+    let of = |what: &str| report(&format!("[[mask]]\nobject = \"2000h\"\n{what}\n"));
+    let taken = of("inputs = 3");
+    assert!(!taken.has_errors(), "{:?}", taken.findings);
+    let [mask] = taken.bindings.masks.as_slice() else {
+        panic!("{:?}", taken.bindings.masks)
+    };
+    assert_eq!(
+        (mask.index, mask.function, mask.is_of_outputs),
+        (0x2000, 3, false)
+    );
+    assert!(of("inputs = 3\noutputs = 4").has_errors());
+    assert!(of("").has_errors());
+}
