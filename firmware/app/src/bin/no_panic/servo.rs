@@ -12,6 +12,7 @@ use ::servo::offsets::CurrentSense;
 use ::servo::protection::{Blocked, Bus, Derating, PhaseLoss, Thermal};
 use ::servo::stepper::{self, Beyond, Stepper, StepperConfig, StepperDemand};
 use ::servo::transform::Rotor;
+use ::servo::tuning::{self, Chirp, Setup, Tuning};
 use ::servo::{Angle, Cascade, CurrentInterrupt, CurrentLoop, Implausible, Motor, Wiring};
 
 use super::{any, any_u64, look};
@@ -104,6 +105,7 @@ pub fn servo() -> Result<(), Implausible> {
             12 => above(&motor)?,
             13 => field(&motor)?,
             14 => ordered(&motor, &mut interrupt)?,
+            15 => tuned(motor.wiring, modulation)?,
             9 => look(hall::angle(any() as u8).map_or(0, Angle::bits)),
             _ => {
                 encoder.look(any() as u16);
@@ -146,6 +148,41 @@ fn gains() -> Gains {
         velocity: number(),
         integral: number(),
     }
+}
+
+/// The measurement of a motor.
+#[inline(never)]
+fn tuned(wiring: Wiring, modulation: Modulation) -> Result<(), Implausible> {
+    let mut tuning = Tuning::new(Setup {
+        wiring,
+        counts: any(),
+        period: number(),
+        current: number(),
+        trip: number(),
+        bus: (number(), number()),
+        modulation,
+        way: number(),
+        most_speed: number(),
+    })?;
+    let frequencies = (number(), number());
+    let mut chirp = Chirp::new(number(), frequencies, number(), number())?;
+    while any() != 0 {
+        let seen = tuning::Seen {
+            currents: numbers(),
+            bus: number(),
+            timer: any() as u16,
+        };
+        match tuning.run(&seen) {
+            tuning::Step::Widths(widths) => widths.map(show),
+            tuning::Step::Done(found) => [found.resistance, found.flux, found.inertia].map(show),
+            tuning::Step::Failed(failure) => {
+                [f32::from(u8::from(failure == tuning::Failure::Held)); 3].map(show)
+            }
+        };
+        look(tuning.stage().into());
+        show(chirp.run().unwrap_or(0.0));
+    }
+    Ok(())
 }
 
 /// The loops above the current, and what protects.
