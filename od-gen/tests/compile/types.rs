@@ -174,11 +174,12 @@ fn values() {
 
     let table = <Dictionary as canopen::od::Dictionary>::TABLE;
     assert_eq!(table.entries.len(), NAMES.len());
-    let position = table.position(0x2001, 0).unwrap();
+    let place = |index| usize::from(table.position(table.find(index, 0).unwrap()).unwrap());
+    let position = place(0x2001);
     assert_eq!(NAMES[position], "Integer24");
     assert_eq!(table.entries.len(), DESCRIPTIONS.len());
     assert_eq!(DESCRIPTIONS[position], "rw INTEGER24, -1000 to 1000, -2 at power-on");
-    let position = table.position(0x2019, 0).unwrap();
+    let position = place(0x2019);
     assert_eq!(DESCRIPTIONS[position], "What runs after power-on. (rw VISIBLE_STRING, up to 4000 bytes)");
     assert_eq!(size_of_val(&table.entries[0]), 10);
 }
