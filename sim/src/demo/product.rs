@@ -105,9 +105,10 @@ where
     /// Profile torque, which the friction of the machine holds.
     fn give_torque(&mut self, target: i16) -> Result<(), Failure> {
         self.master.write(self.node, 0x6060, 0, 4i8)?;
+        // The bit of the move before goes with its mode.
+        self.master.run_for(STATE_TIME);
         self.master.write(self.node, 0x6071, 0, target)?;
-        // The bit of the move before goes first.
-        self.wait_for(TARGET_REACHED, 0, STATE_TIME)?;
+        self.master.run_for(LOOK);
         self.wait_for(TARGET_REACHED, TARGET_REACHED, MOVE_TIME)?;
         self.master.run_for(LOOK);
         let torque = self.master.read(self.node, 0x6077, 0)?;
