@@ -1,4 +1,4 @@
-//! The commands that make files of data sheets: networks, conversions, recipes.
+//! The commands that make files of data sheets: networks, conversions, recipes; and how a file comes about, or does not.
 
 use std::process::{Command, Output};
 
@@ -141,4 +141,111 @@ fn a_recipe_stands_wherever_a_data_sheet_does() {
         text(&wrong.stdout).contains("\"file\": \"part.eds\""),
         "{wrong:?}"
     );
+}
+
+#[cfg(unix)]
+#[test]
+fn who_reads_a_file_while_it_is_written_reads_all_of_it() {
+    use std::io::Read;
+    use std::os::unix::fs::PermissionsExt;
+
+    let folder = tempfile::tempdir().unwrap();
+    let (file, link) = (
+        folder.path().join("spelled.eds"),
+        folder.path().join("link.eds"),
+    );
+    let sheet = include_str!("data/small.eds").replace("AccessType=const", "accesstype = CONST");
+    std::fs::write(&file, &sheet).unwrap();
+    std::fs::set_permissions(&file, std::fs::Permissions::from_mode(0o640)).unwrap();
+    std::os::unix::fs::symlink(&file, &link).unwrap();
+    let mut reader = std::fs::File::open(&file).unwrap();
+    assert_eq!(
+        od_gen(&["fmt", link.to_str().unwrap()]).status.code(),
+        Some(0)
+    );
+    let mut before = String::new();
+    reader.read_to_string(&mut before).unwrap();
+    assert_eq!(before, sheet);
+    assert!(
+        std::fs::read_to_string(&file)
+            .unwrap()
+            .contains("AccessType=const")
+    );
+    let mode = std::fs::metadata(&file).unwrap().permissions().mode();
+    assert_eq!(mode & 0o777, 0o640);
+    assert!(std::fs::symlink_metadata(&link).unwrap().is_symlink());
+    assert_eq!(
+        std::fs::read_dir(folder.path()).unwrap().count(),
+        2,
+        "nothing is left"
+    );
+}
+
+/// A command of the shell with `od-gen` in the place of `OD`.
+#[cfg(unix)]
+fn shell(command: &str) -> Output {
+    Command::new("sh")
+        .args(["-c", &command.replace("OD", env!("CARGO_BIN_EXE_od-gen"))])
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .output()
+        .unwrap()
+}
+
+#[cfg(unix)]
+#[test]
+fn an_output_that_is_closed_is_exit_code_2() {
+    for arguments in [
+        "rust tests/data/small.eds",
+        "doc tests/data/small.eds",
+        "dump tests/data/small.eds",
+        "diff tests/data/small.eds tests/data/types.eds",
+        "dcf tests/data/small.eds --node-id 5",
+        "bindings ../eds/axis402.eds",
+        "check --format json tests/data/broken.eds",
+        "network tests/data/network/machine.toml --check",
+        "rules",
+        "rules not-listed",
+        "--help",
+        "check --help",
+        "--version",
+    ] {
+        let output = shell(&format!("OD {arguments} >&-"));
+        let told = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments}: {told}");
+        let last = told.lines().last();
+        assert_eq!(
+            last,
+            Some("error: standard output is closed"),
+            "{arguments}"
+        );
+        let output = shell(&format!("OD {arguments} >/dev/null"));
+        assert_ne!(output.status.code(), Some(2), "{arguments}");
+    }
+    // Nothing to say is said without an output.
+    let output = shell("OD check --deny-warnings ../eds/axis402.eds >&-");
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_limit_for_files_is_an_error_of_the_write() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    std::fs::write(folder.join("old.html"), "before").unwrap();
+    for (arguments, file) in [
+        ("doc ../eds/axis402.eds", "new.html"),
+        ("doc ../eds/axis402.eds", "old.html"),
+        ("rust ../eds/axis402.eds", "new.rs"),
+    ] {
+        let path = folder.join(file);
+        let output = shell(&format!(
+            "ulimit -f 8; OD {arguments} -o {}",
+            path.display()
+        ));
+        assert_eq!(output.status.code(), Some(2), "{output:?}");
+        assert!(text(&output.stderr).ends_with(": error: File too large\n"));
+        // All or nothing.
+        let left = std::fs::read_to_string(&path).ok();
+        assert_eq!(left.as_deref(), (file == "old.html").then_some("before"));
+    }
 }

@@ -21,6 +21,7 @@ mod moves;
 mod objects;
 mod periphery;
 mod promises;
+mod refusals;
 mod scenes;
 mod sequences;
 mod settings;

@@ -1,6 +1,9 @@
 //! What the manuals promise of communication, tried on each product that promises it: states, PDOs, errors, SDO, storage.
 
+mod lss;
+
 use canopen::Frame;
+use lss::{has_no_lss, is_selected_by_lss, runs_at_each_bit_rate};
 
 use crate::bench::Bench;
 
@@ -422,84 +425,6 @@ fn stores_and_restores(name: &str) {
     assert_eq!(bench.read(NODE, 0x6065, 0), before);
 }
 
-/// LSS finds the device by its four numbers, and by no others.
-fn is_selected_by_lss(name: &str) {
-    let mut bench = Bench::new(name, sim::drive::Setup::unconfigured(0x1454_523E));
-    let node = bench.drive.node_id().get();
-    let identity: Vec<u32> = match node {
-        255 => vec![0x3F5, 1, 1, 0x1454_523E],
-        _ => (1..=4).map(|sub| bench.read(node, 0x1018, sub)).collect(),
-    };
-    assert_eq!(identity[3], 0x1454_523E);
-    for off in [1, 0] {
-        bench.sent.clear();
-        for (command, word) in (0x40..).zip(&identity) {
-            let [a, b, c, d] = (word + if command == 0x43 { off } else { 0 }).to_le_bytes();
-            bench.send(&Frame::full(0x7E5, [command, a, b, c, d, 0, 0, 0]));
-        }
-        let answer = bench.next(0x7E4, 20);
-        assert_eq!(
-            answer.map(|frame| frame.payload()[0]),
-            (off == 0).then_some(0x44)
-        );
-    }
-    bench.send(&Frame::full(0x7E5, [0x11, 9, 0, 0, 0, 0, 0, 0]));
-    let answer = bench.next(0x7E4, 20).expect("an answer");
-    assert_eq!(answer.payload()[..2], [0x11, 0]);
-}
-
-/// Nobody answers LSS.
-fn has_no_lss(name: &str) {
-    let mut bench = booted(name);
-    bench.send(&Frame::full(0x7E5, [0x04, 1, 0, 0, 0, 0, 0, 0]));
-    bench.send(&Frame::full(0x7E5, [0x5E, 0, 0, 0, 0, 0, 0, 0]));
-    assert_eq!(count(&mut bench, 0x7E4, 100), 0, "{name}");
-}
-
-/// What the manual says that it has not is refused as an object that is not there.
-fn has_none_of(name: &str, objects: &[u16]) {
-    let mut bench = booted(name);
-    for index in objects {
-        assert_eq!(
-            refusal(&mut bench, *index, 0),
-            Some(0x0602_0000),
-            "{name}: {index:04X}h"
-        );
-    }
-}
-
-/// Each bit rate of CiA 305 is taken by LSS, and is in force once it is activated; an index that is none is refused.
-fn runs_at_each_bit_rate(name: &str) {
-    for (index, kbit) in [
-        (0, 1_000),
-        (1, 800),
-        (2, 500),
-        (3, 250),
-        (4, 125),
-        (6, 50),
-        (7, 20),
-        (8, 10),
-    ] {
-        let mut bench = booted(name);
-        bench.send(&Frame::full(0x7E5, [0x04, 1, 0, 0, 0, 0, 0, 0]));
-        bench.send(&Frame::full(0x7E5, [0x13, 0, index, 0, 0, 0, 0, 0]));
-        let answer = bench.next(0x7E4, 20).expect("an answer");
-        assert_eq!(answer.payload()[..2], [0x13, 0], "{name}: {kbit}");
-        bench.send(&Frame::full(0x7E5, [0x15, 1, 0, 0, 0, 0, 0, 0]));
-        bench.run(50);
-        let rate = bench
-            .drive
-            .bit_rate()
-            .map(canopen::BitRate::kbit_per_second);
-        assert_eq!(rate, Some(kbit), "{name}");
-    }
-    let mut bench = booted(name);
-    bench.send(&Frame::full(0x7E5, [0x04, 1, 0, 0, 0, 0, 0, 0]));
-    bench.send(&Frame::full(0x7E5, [0x13, 0, 20, 0, 0, 0, 0, 0]));
-    let answer = bench.next(0x7E4, 20).expect("an answer");
-    assert_eq!(answer.payload()[..2], [0x13, 1]);
-}
-
 mod each {
     promises! {
         follows_nmt: lmd nanotec s200 tc1;
@@ -522,60 +447,5 @@ mod each {
         is_selected_by_lss: lmd tc1;
         runs_at_each_bit_rate: lmd tc1;
         has_no_lss: nanotec s200;
-    }
-
-    #[test]
-    fn has_nothing_that_its_manual_says_it_has_not() {
-        let tc1 = [
-            0x1007, 0x100C, 0x100D, 0x1012, 0x1020, 0x1023, 0x1024, 0x1025, 0x1026, 0x1027, 0x1028,
-            0x1029, 0x1280, 0x1FA0, 0x1FD0, 0x1404, 0x1804,
-        ];
-        super::has_none_of("tc1", &tc1);
-        super::has_none_of(
-            "nanotec",
-            &[
-                0x1006, 0x1012, 0x1016, 0x1019, 0x1029, 0x60A4, 0x6087, 0x6077, 0x60B1, 0x60B2,
-                0x60B8,
-            ],
-        );
-        super::has_none_of("s200", &[0x1012, 0x1019, 0x1007, 0x1015, 0x1200]);
-        super::has_none_of("lmd", &[0x1200, 0x60B8, 0x60C5, 0x607D, 0x6091]);
-    }
-
-    #[test]
-    fn leaves_the_factory_with_its_node_id_and_bit_rate() {
-        for (name, node, kbit) in [("lmd", 65, 1_000), ("nanotec", 1, 1_000), ("s200", 1, 500)] {
-            let bench = super::Bench::new(name, sim::drive::Setup::unconfigured(1));
-            assert_eq!(bench.drive.node_id().get(), node);
-            let rate = bench
-                .drive
-                .bit_rate()
-                .map(canopen::BitRate::kbit_per_second);
-            assert_eq!(rate, Some(kbit), "{name}");
-        }
-    }
-
-    /// Profile velocity and the cyclic modes are none of the Nanotec's.
-    #[test]
-    fn refuses_modes_that_it_does_not_have() {
-        let mut bench = super::booted("nanotec");
-        // Nor has it any of its maker for the direction of a clock, an analogue speed or a joystick.
-        for mode in [3, 8, 9, 10, 0xFA, 0xFB, 0xFC, 0xFD] {
-            assert_ne!(super::write_byte(&mut bench, 0x6060, 0, mode), 0, "{mode}");
-        }
-    }
-
-    /// A remote frame asks the TC1 for nothing: no PDO, no state.
-    #[test]
-    fn answers_no_remote_frame() {
-        let mut bench = super::operational("tc1");
-        bench.run(300);
-        for identifier in [0x704, 0x184, 0x284] {
-            let before = super::count(&mut bench, identifier, 90);
-            bench.sent.clear();
-            bench.send(&canopen::Frame::remote_frame(identifier, 0));
-            let own = |frame: &&canopen::Frame| frame.standard_id() == Some(identifier);
-            assert_eq!(bench.sent.iter().filter(own).count(), 0, "{before}");
-        }
     }
 }

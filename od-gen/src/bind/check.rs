@@ -8,17 +8,15 @@ use toml::{Spanned, Value};
 
 use super::file::{File, Row, place};
 use super::place::{entry, indices, name};
+use super::unbound::unbound;
 use super::words;
 use super::{Binding, Bindings, HABITS, Habit, Meaning, home};
 use crate::data_type::DataType;
 use crate::diagnostic::Findings;
-use crate::model::{Access, DefaultValue, Entry, Model, Object};
+use crate::model::{Access, DefaultValue, Entry, Model};
 use crate::rules::binding;
 use crate::source::Source;
 use crate::spelling;
-
-/// The manufacturer's area (CiA 301, table 39).
-const MANUFACTURER: RangeInclusive<u16> = 0x2000..=0x5FFF;
 
 /// Offsets beyond this would leave no room for the number itself.
 const LARGEST_OFFSET: i64 = 1 << 53;
@@ -54,7 +52,8 @@ pub(super) fn check(
             bindings.push(found);
         }
     }
-    let unbound = unbound(file, source, model, findings);
+    let storage = ranges(&file.storage.objects, source, findings);
+    let unbound = unbound(file, model, storage, findings);
     let bindings = Bindings {
         constants: numbers(&file.constants, source, &bindings, findings),
         unset: numbers(&file.unset, source, &[], findings),
@@ -467,45 +466,6 @@ fn mistake_in(
         }
     }
     pairs.is_empty().then(|| "there are no values".into())
-}
-
-/// The objects of the manufacturer that no line of the file mentions, which is reported.
-fn unbound(file: &File, source: &Source, model: &Model, findings: &mut Findings) -> Vec<u16> {
-    let mut known: Vec<RangeInclusive<u16>> = file
-        .binding
-        .iter()
-        .filter_map(|row| entry(row.get_ref().object.get_ref()))
-        .map(|(index, _)| index..=index)
-        .collect();
-    let words = file.word.iter().map(|row| row.get_ref().object.get_ref());
-    let masks = file.mask.iter().map(|row| row.get_ref().object.get_ref());
-    let made = words.chain(masks).filter_map(|object| entry(object));
-    known.extend(made.map(|(index, _)| index..=index));
-    let bound = known.clone();
-    known.extend(ranges(&file.storage.objects, source, findings));
-    let is_in = |ranges: &[RangeInclusive<u16>], object: &Object| {
-        ranges.iter().any(|range| range.contains(&object.index))
-    };
-    let own = model.objects_in(MANUFACTURER);
-    let silent: Vec<&Object> = own.iter().filter(|object| !is_in(&known, object)).collect();
-    if let Some(first) = silent.first() {
-        let count = silent.len();
-        let message = format!(
-            "{count} objects of the manufacturer are plain storage, the first is {:04X}h, {}",
-            first.index, first.name
-        );
-        let finding = findings.report(&binding::UNBOUND, crate::source::Span::START, message);
-        let list: Vec<String> = silent
-            .iter()
-            .map(|object| format!("{:04X}h", object.index))
-            .collect();
-        finding.help(format!(
-            "bind them or list them in [storage]: {}",
-            list.join(", ")
-        ));
-    }
-    let stored = own.iter().filter(|object| !is_in(&bound, object));
-    stored.map(|object| object.index).collect()
 }
 
 fn is_integer(data_type: DataType) -> bool {

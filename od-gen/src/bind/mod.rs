@@ -55,6 +55,7 @@ mod check;
 mod file;
 mod habits;
 mod place;
+mod unbound;
 mod words;
 
 use std::io;

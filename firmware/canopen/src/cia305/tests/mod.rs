@@ -3,6 +3,7 @@
 mod configuring;
 mod finding;
 mod properties;
+mod selecting;
 
 use super::{Identity, Slave};
 use crate::settings::{BitRate, NodeId, Settings};
