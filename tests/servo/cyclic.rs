@@ -9,7 +9,11 @@ const FOLLOWS: u16 = 1 << 12;
 
 /// In a cyclic mode with this object in RPDO 2, taken over at SYNC.
 fn cyclic(mode: u8, object: u32) -> ServoBench {
-    let mut drive = ServoBench::on_axis("servo_100w");
+    set_up(ServoBench::on_axis("servo_100w"), mode, object)
+}
+
+/// The same of a drive that is there.
+fn set_up(mut drive: ServoBench, mode: u8, object: u32) -> ServoBench {
     drive.map_pdo(0x1401, &[object], 1);
     drive.write_u8(0x60C2, 1, 4);
     enable(drive, mode)
@@ -97,21 +101,65 @@ fn m45_positions_in_each_period_are_followed_by_the_loop() {
 
 #[test]
 fn m45_an_offset_of_the_torque_is_given_ahead() {
-    let mut drive = cyclic(8, 0x607A_0020);
-    // A load whose torque is known: with it ahead, the loop has nothing left to do.
-    let mut sags = [0; 2];
-    for (sag, offset) in sags.iter_mut().zip([0_i16, 300]) {
-        drive.plant().load_torque = 0.0;
-        drive.write_i16(0x60B2, 0, 0);
-        for _ in 0..60 {
-            period(&mut drive, Some(&bytes(&0_i32.to_le_bytes())));
+    for (mode, object) in [(8, 0x607A_0020), (9, 0x60FF_0020)] {
+        let mut drive = cyclic(mode, object);
+        // A load whose torque is known: with it ahead, the loop has nothing left to do.
+        let mut sags = [0; 2];
+        for (sag, offset) in sags.iter_mut().zip([0_i16, 300]) {
+            drive.plant().load_torque = 0.0;
+            drive.write_i16(0x60B2, 0, 0);
+            for _ in 0..60 {
+                period(&mut drive, Some(&bytes(&0_i32.to_le_bytes())));
+            }
+            drive.plant().load_torque = 0.3 * 0.319_92;
+            drive.write_i16(0x60B2, 0, offset);
+            for _ in 0..5 {
+                period(&mut drive, Some(&bytes(&0_i32.to_le_bytes())));
+                *sag = (*sag).max(drive.position().abs());
+            }
         }
-        drive.plant().load_torque = 0.3 * 0.319_92;
-        drive.write_i16(0x60B2, 0, offset);
-        for _ in 0..5 {
-            period(&mut drive, Some(&bytes(&0_i32.to_le_bytes())));
-            *sag = (*sag).max(drive.axis().actuals().following_error.abs());
-        }
+        assert!(sags[1] * 2 < sags[0], "mode {mode}: {sags:?}");
     }
-    assert!(sags[1] * 2 < sags[0], "{sags:?}");
+}
+
+/// 6064h after set-points of 0 for a fifth of a second.
+fn at_zero(drive: &mut ServoBench) -> i32 {
+    for _ in 0..50 {
+        period(drive, Some(&bytes(&0_i32.to_le_bytes())));
+    }
+    drive.read_i32(0x6064, 0)
+}
+
+#[test]
+fn m45_an_offset_of_the_velocity_is_given_ahead() {
+    for polarity in [0, 0xC0] {
+        let mut drive = ServoBench::on_axis("servo_100w");
+        drive.write_u8(0x607E, 0, polarity);
+        let mut drive = set_up(drive, 8, 0x607A_0020);
+        assert_eq!(at_zero(&mut drive), 0);
+        // The position loop takes it back: 5,000 counts/s by its gain in 1/s are the counts that it is away then.
+        for (gain, offset, away) in [(100, 5_000, 50), (100, -5_000, -50), (200, 5_000, 25)] {
+            drive.write_u16(0x60FB, 1, gain);
+            drive.write_i32(0x60B1, 0, offset);
+            let stands = at_zero(&mut drive);
+            assert!((stands - away).abs() <= 1, "{stands}, not {away}");
+            let error = drive.read_i32(0x60F4, 0);
+            assert!((error + away).abs() <= 1, "{error}");
+        }
+        drive.write_i32(0x60B1, 0, 0);
+        let stands = at_zero(&mut drive);
+        assert!(stands.abs() <= 1, "{stands}");
+    }
+}
+
+#[test]
+fn m45_offsets_are_of_no_account_in_profile_modes() {
+    let mut drive = enable(ServoBench::on_axis("servo_100w"), 1);
+    drive.write_i32(0x60B1, 0, 5_000);
+    drive.write_i16(0x60B2, 0, 300);
+    for _ in 0..50 {
+        drive.run_millis(1);
+        assert!(drive.position().abs() <= 1);
+        assert!(drive.read_i16(0x6074, 0).abs() < 50);
+    }
 }

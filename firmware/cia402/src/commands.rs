@@ -47,6 +47,9 @@ pub struct Commands {
     pub profile_deceleration: u32,
     /// 60FFh.
     pub target_velocity: SignedSpeed,
+    /// 60B1h.
+    #[cfg(feature = "torque")]
+    pub velocity_offset: SignedSpeed,
     /// 6071h, in thousandths of the rated torque.
     pub target_torque: i16,
     /// 60B2h, in thousandths of the rated torque.
@@ -106,6 +109,8 @@ impl Commands {
         profile_acceleration: 0,
         profile_deceleration: 0,
         target_velocity: SignedSpeed::ZERO,
+        #[cfg(feature = "torque")]
+        velocity_offset: SignedSpeed::ZERO,
         target_torque: 0,
         torque_offset: 0,
         touch_probe_function: 0,
@@ -137,7 +142,7 @@ impl Commands {
     /// Takes over all of other ones, field by field.
     #[inline]
     pub(crate) fn assign(&mut self, from: &Self) {
-        copy_fields!(Self { controlword, rising, stop, shutdown_first, overwritten, remote, connection_error, restart, mode, vl_target_velocity, target_position, profile_velocity, end_velocity, positioning_option, profile_acceleration, profile_deceleration, target_velocity, target_torque, torque_offset, touch_probe_function, touch_probes_off, digital_outputs, digital_outputs_mask, outputs_written, passed_set_point }, from => self);
+        copy_fields!(Self { controlword, rising, stop, shutdown_first, overwritten, remote, connection_error, restart, mode, vl_target_velocity, target_position, profile_velocity, end_velocity, positioning_option, profile_acceleration, profile_deceleration, target_velocity, #[cfg(feature = "torque")] velocity_offset, target_torque, torque_offset, touch_probe_function, touch_probes_off, digital_outputs, digital_outputs_mask, outputs_written, passed_set_point }, from => self);
     }
 
     /// Whether these ask for a stop that those of before did not: halt, a command that leaves operation enabled, or the network may command the drive no

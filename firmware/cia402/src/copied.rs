@@ -5,10 +5,10 @@
 
 /// Copies every field of a struct. A field that is left out does not compile.
 macro_rules! copy_fields {
-    ($kind:ident { $($field:ident),+ $(,)? }, $from:expr => $to:expr) => {{
-        let $kind { $($field),+ } = $from;
+    ($kind:ident { $($(#[$meta:meta])? $field:ident),+ $(,)? }, $from:expr => $to:expr) => {{
+        let $kind { $($(#[$meta])? $field),+ } = $from;
         let to = $to;
-        $(to.$field = *$field;)+
+        $($(#[$meta])? { to.$field = *$field; })+
     }};
 }
 

@@ -101,6 +101,8 @@ pub struct Order {
     pub goal: Goal,
     /// The torque that is held, or that is given ahead.
     pub torque: f32,
+    /// What is given ahead beside the velocity of a position, in counts/s.
+    pub velocity_ahead: f32,
     /// The greatest positive and negative torque, each at least 0.
     pub most: (f32, f32),
     /// The fastest while a torque is held, in counts/s.
@@ -370,7 +372,7 @@ impl Control {
         let demand = Demand {
             position: Some(counts.saturating_add(whole.into())),
             part: self.beyond - whole as f32,
-            velocity: (velocity + acceleration * since) * self.count,
+            velocity: (velocity + acceleration * since + order.velocity_ahead) * self.count,
             acceleration: acceleration * self.count,
             current,
         };

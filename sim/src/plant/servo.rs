@@ -334,6 +334,7 @@ impl ServoMotor {
             Order {
                 goal,
                 torque: order.torque as f32 * 1e-6,
+                velocity_ahead: speed(order.velocity_ahead.bits()),
                 most: (
                     torque(order.most.0).min(by_current),
                     torque(order.most.1).min(by_current),

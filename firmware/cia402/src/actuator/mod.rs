@@ -103,6 +103,11 @@ pub trait Actuator: 'static {
         let _ = (limits, ahead);
     }
 
+    /// A velocity that is given ahead of the loops from now on, beside that of the path.
+    fn set_velocity_ahead(&mut self, velocity: SignedSpeed) {
+        let _ = velocity;
+    }
+
     /// What has been wrong since the last call.
     fn take_trouble(&mut self) -> Trouble;
 

@@ -49,6 +49,8 @@ pub struct ServoOrder {
     pub goal: ServoGoal,
     /// The torque that is held, or that is given ahead of the loops, in µN·m.
     pub torque: i32,
+    /// What is given ahead of the loops beside the velocity of the goal.
+    pub velocity_ahead: SignedSpeed,
     /// The greatest positive and negative torque, in µN·m.
     pub most: (u32, u32),
     /// The greatest current, in mA.
@@ -104,6 +106,7 @@ pub struct ServoAxis<L = Emitter> {
     torque: Torque,
     limits: TorqueLimits,
     ahead: i16,
+    velocity_ahead: SignedSpeed,
     /// 6075h in mA and 6076h in mN·m.
     rated_current: u32,
     rated: u32,
@@ -125,6 +128,7 @@ impl<L: EmitterLock> ServoAxis<L> {
             torque: Torque::NONE,
             limits: TorqueLimits::NONE,
             ahead: 0,
+            velocity_ahead: SignedSpeed::ZERO,
             rated_current: 0,
             rated: 0,
             path: StepAxis::new(config, emitter),
@@ -200,6 +204,7 @@ impl<L: EmitterLock> ServoAxis<L> {
         port.order(&ServoOrder {
             goal,
             torque: self.signed(torque),
+            velocity_ahead: self.turned(self.velocity_ahead),
             most: if self.is_reversed {
                 (negative, positive)
             } else {
@@ -308,6 +313,7 @@ impl<L: EmitterLock> Actuator for ServoAxis<L> {
     fn demand(&self) -> Demand { if self.held.is_some() { self.rotor } else { self.path.demand() } }
     fn torque(&self) -> Option<Torque> { Some(self.torque) }
     fn set_torque(&mut self, limits: TorqueLimits, ahead: i16) { (self.limits, self.ahead) = (limits, ahead); }
+    fn set_velocity_ahead(&mut self, velocity: SignedSpeed) { self.velocity_ahead = velocity; }
     fn take_trouble(&mut self) -> Trouble { self.path.take_trouble() }
     fn standstill(&self) -> bool { self.held.is_none() && self.path.standstill() }
     fn is_at_rest(&self) -> bool { self.held.is_none() && self.path.is_at_rest() }

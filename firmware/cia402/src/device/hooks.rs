@@ -224,6 +224,8 @@ impl<A> Hooks<A> {
             profile_acceleration: units.acceleration(dictionary.profile_acceleration()),
             profile_deceleration: units.acceleration(dictionary.profile_deceleration()),
             target_velocity: units.velocity(dictionary.target_velocity()),
+            #[cfg(feature = "torque")]
+            velocity_offset: units.velocity(dictionary.velocity_offset()),
             target_torque: dictionary.target_torque(),
             torque_offset: dictionary.torque_offset(),
             touch_probe_function: dictionary.touch_probe_function(),

@@ -46,6 +46,12 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             0
         };
         self.motor.set_torque(limits, ahead);
+        #[cfg(feature = "torque")]
+        {
+            let is_ahead = self.modes.active() == Mode::CyclicPosition && self.power.is_on();
+            let velocity = is_ahead.then_some(self.commands.velocity_offset);
+            self.motor.set_velocity_ahead(velocity.unwrap_or_default());
+        }
         let is_limited = self.motor.torque().is_some_and(|torque| torque.is_limited);
         if self.power.is_on() && is_limited {
             statusword::INTERNAL_LIMIT

@@ -3,7 +3,7 @@
 //!
 //! - The set-point is 607Ah plus 60B0h, as they are at SYNC; what is written after it counts at the next one, and of several writes the
 //!   last. Without SYNC each write of 607Ah is one. How it is followed, [`Following`] says.
-//! - 60B1h, the velocity feed-forward, is taken and has nothing to do where no loop is closed.
+//! - 60B1h, the velocity feed-forward, is given to the loops beside the velocity of the path; it has nothing to do where no loop is closed.
 //! - It begins with the demand where the motor stands, and waits for the first set-point.
 //! - Halt (bit 8) stops on the ramp of 605Dh; released, the motor catches up with the set-points.
 //! - Too many set-points missing: the motor stops with 6085h, and 2051h:2 says what else. It follows again when it has come to rest

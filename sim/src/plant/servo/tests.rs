@@ -84,6 +84,7 @@ impl Rig {
             let order = ServoOrder {
                 goal,
                 torque: 0,
+                velocity_ahead: SignedSpeed::ZERO,
                 most: (u32::MAX, u32::MAX),
                 current: u32::MAX,
                 velocity: Speed::MAX,

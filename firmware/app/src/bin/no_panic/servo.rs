@@ -268,6 +268,7 @@ fn ordered(motor: &Motor, interrupt: &mut CurrentInterrupt) -> Result<(), Implau
         let order = Order {
             goal,
             torque: number(),
+            velocity_ahead: number(),
             most: (number(), number()),
             speed: number(),
         };
