@@ -2,6 +2,7 @@
 
 mod cyclic;
 mod faults;
+mod loops;
 mod modes;
 mod torque;
 mod tuning;

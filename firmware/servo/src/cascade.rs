@@ -168,6 +168,14 @@ impl Cascade {
         Ok(())
     }
 
+    /// Another low-pass and notch, from the next period on, as if this current in A had come for ever.
+    pub fn set_filters(&mut self, low_pass: Filter, notch: Filter, current: f32) {
+        self.filters = [low_pass, notch];
+        for filter in &mut self.filters {
+            filter.settle(current);
+        }
+    }
+
     /// Begins with the current that flows, in A.
     pub fn take_over(&mut self, current: f32, demand: &Demand, actual: Actual) {
         self.compare(demand, actual);

@@ -10,6 +10,7 @@
 use crate::cascade::{Actual, Demand, Gains, Limits};
 use crate::current_loop::Trip;
 use crate::feedback::FeedbackFault;
+use crate::filter::Filter;
 use crate::interrupt::CurrentInterrupt;
 use crate::motor::Implausible;
 use crate::number::{between, fade, is_within, limit, root};
@@ -177,7 +178,7 @@ impl Control {
     pub fn new(motor: &Motor, config: ControlConfig) -> Result<Self, Implausible> {
         let motor = motor.checked()?;
         let period = config.period;
-        let filter = crate::filter::Filter::NONE;
+        let filter = Filter::NONE;
         let cascade =
             Cascade::new(&motor, config.gains, period)?.with(filter, filter, config.friction)?;
         let (rated, peak) = (motor.rated_current, motor.peak_current);
@@ -237,6 +238,11 @@ impl Control {
         self.cascade.set_gains(gains)?;
         self.config.gains = gains;
         Ok(())
+    }
+
+    /// Another low-pass and notch of the current that the velocity loop asks for, from the next period on; they go on from what is asked for now.
+    pub fn set_filters(&mut self, low_pass: Filter, notch: Filter) {
+        self.cascade.set_filters(low_pass, notch, self.wanted);
     }
 
     /// Adds to what is asked of the motor, within its limits, from the next period on; `None` ends it.

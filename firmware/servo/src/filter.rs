@@ -1,4 +1,4 @@
-//! A filter of second order: low-pass or notch, for the current that the velocity loop asks for.
+//! A filter of first or second order: low-pass or notch, for the current that the velocity loop asks for.
 //!
 //! The analogue filter by the bilinear transform, with its frequency where it is meant (Bristow-Johnson's audio EQ cookbook).
 
@@ -35,6 +35,22 @@ impl Filter {
         let (sine, _) = half.sine_cosine();
         let pass = sine * sine;
         Ok(Self::normed([pass, 2.0 * pass, pass], cosine, alpha))
+    }
+
+    /// Passes what is below a frequency in Hz, with one pole. The period is in s.
+    ///
+    /// # Errors
+    /// With a frequency that is not from 10⁻⁴ to 0.45 of the rate.
+    pub fn first_low_pass(frequency: f32, period: f32) -> Result<Self, Implausible> {
+        let (_, _, half) = parts(frequency, 1.0, period)?;
+        let (sine, cosine) = half.sine_cosine();
+        let by = 1.0 / (sine + cosine);
+        let pass = sine * by;
+        Ok(Self {
+            ahead: [pass, pass, 0.0],
+            back: [(sine - cosine) * by, 0.0],
+            memory: [0.0; 2],
+        })
     }
 
     /// Takes out a frequency in Hz, the narrower the higher the quality. The period is in s.
@@ -121,6 +137,16 @@ mod tests {
     }
 
     #[test]
+    fn a_low_pass_of_first_order_falls_by_twenty_decibels_for_ten_times_the_frequency() {
+        let filter = Filter::first_low_pass(50.0, PERIOD).unwrap();
+        assert!((gain(filter, 5.0) - 0.995).abs() < 0.005);
+        assert!((gain(filter, 50.0) - core::f32::consts::FRAC_1_SQRT_2).abs() < 0.01);
+        assert!((gain(filter, 500.0) - 0.1).abs() < 0.02);
+        assert!(Filter::first_low_pass(0.0, PERIOD).is_err());
+        assert!(Filter::first_low_pass(f32::NAN, PERIOD).is_err());
+    }
+
+    #[test]
     fn a_notch_takes_its_frequency_out() {
         let filter = Filter::notch(300.0, 2.0, PERIOD).unwrap();
         assert!(gain(filter, 300.0) < 0.01);
@@ -133,6 +159,7 @@ mod tests {
         for filter in [
             Filter::NONE,
             Filter::low_pass(100.0, core::f32::consts::FRAC_1_SQRT_2, PERIOD).unwrap(),
+            Filter::first_low_pass(100.0, PERIOD).unwrap(),
             Filter::notch(300.0, 2.0, PERIOD).unwrap(),
         ] {
             let mut filter = filter;

@@ -20,6 +20,7 @@ impl Desk {
             motor: [1, 2, 3, 4, 5, 6].map(|sub| long(0x20C2, sub)),
             gains: [word(0x60F9, 1), word(0x60F9, 2), word(0x60FB, 1)],
             share: word(0x60F6, 1),
+            filters: [1, 2, 3, 4].map(|sub| word(0x20C3, sub)),
         });
         let command = od::read_u8(dictionary, 0x20C0, 1).unwrap_or(0);
         if command == std::mem::replace(&mut self.command, command) {

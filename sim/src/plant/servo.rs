@@ -4,6 +4,7 @@
 //! control each [`CONTROL`] periods. Where the magnet is, is known from the beginning, as from an absolute encoder.
 
 mod measurement;
+mod settings;
 
 use motion::Ticks;
 use servo::control::{Fault, Goal, Order, Seen};
@@ -18,8 +19,10 @@ use servo_plant::{Gates, Plant, axes};
 use super::STEP_CLOCK_HZ;
 use crate::plant::pulses::Ordered;
 use cia402::{ServoGoal, ServoReport};
-use measurement::{Ending, Measurement, loops};
-pub use measurement::{Found, Request, ServoSettings};
+use measurement::{Ending, Measurement};
+pub use measurement::{Found, Request};
+pub use settings::ServoSettings;
+use settings::loops;
 
 /// A period of the modulation, in microseconds.
 const PERIOD: u64 = 50;

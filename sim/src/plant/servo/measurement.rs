@@ -1,74 +1,22 @@
-//! What the drive is set to beside its orders, and the measurement of its motor, as a board would do it.
+//! The measurement of the motor, as a board would do it, and what a master sets while the loops run.
 
 use cia402::ServoGoal;
+use servo::Angle;
 use servo::cascade::Gains;
-use servo::control::{ControlConfig, Fault};
+use servo::control::Fault;
 use servo::current_loop::CurrentConfig;
 use servo::interrupt::Counts;
-use servo::modulation::Modulation;
 use servo::motor::Implausible;
-use servo::protection::{Bus, Derating};
 use servo::tuning::{Chirp, Failure, Measured, Seen, Setup, Step, Tuning};
-use servo::{Angle, Control, CurrentLoop, Motor};
 
-use super::{CONTROL, SECONDS, ServoAxisData, ServoMotor};
+use super::settings::{ServoSettings, config, derating, loops, modulation, speed};
+use super::{CONTROL, SECONDS, ServoMotor};
 
 /// The bandwidth of the velocity loop for which a measurement proposes gains, if none is wanted, in 1/s: loops of 4 kHz leave room for it.
 const BANDWIDTH: f32 = 600.0;
 
 /// The share of their gains that the loops have while a sine is added: stiff ones would take it away.
 const SOFT: f32 = 0.1;
-
-/// The motor and its loops as the objects say it; 0 is what the axis has.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ServoSettings {
-    /// 20C2h: in µΩ, nH along and across, nV·s, g·mm², µN·m.
-    pub motor: [u32; 6],
-    /// 60F9h:1 and 2, 60FBh:1, in 1/s.
-    pub gains: [u16; 3],
-    /// 60F6h:1, in thousandths.
-    pub share: u16,
-}
-
-impl ServoSettings {
-    /// The motor that the loops go by, and the torque of its friction.
-    fn motor(&self, data: &ServoAxisData) -> (Motor, f32) {
-        let own = data.motor();
-        let or = |number: u32, unit: f32, own: f32| match number {
-            0 => own,
-            _ => number as f32 * unit,
-        };
-        let [resistance, along, across, flux, inertia, friction] = self.motor;
-        let motor = Motor {
-            resistance: or(resistance, 1e-6, own.resistance),
-            inductance_d: or(along, 1e-9, own.inductance_d),
-            inductance_q: or(across, 1e-9, own.inductance_q),
-            flux: or(flux, 1e-9, own.flux),
-            inertia: or(inertia, 1e-9, own.inertia),
-            ..own
-        };
-        (
-            motor,
-            or(friction, 1e-6, data.plant.motor.coulomb_friction as f32),
-        )
-    }
-
-    fn gains(&self, data: &ServoAxisData) -> Gains {
-        let own = Gains::from_bandwidth(data.bandwidth);
-        let or = |number: u16, own: f32| if number == 0 { own } else { number.into() };
-        let [velocity, integral, position] = self.gains;
-        Gains {
-            position: or(position, own.position),
-            velocity: or(velocity, own.velocity),
-            integral: or(integral, own.integral),
-        }
-    }
-
-    /// `None` is that of the loop.
-    fn share(&self) -> Option<f32> {
-        (self.share > 0).then(|| f32::from(self.share) * 1e-3)
-    }
-}
 
 /// What is to be measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -195,6 +143,10 @@ impl ServoMotor {
             ..*settings
         };
         if gains != self.settings {
+            if gains.filters != self.settings.filters {
+                let (low_pass, notch) = gains.filters();
+                self.control.set_filters(low_pass, notch);
+            }
             self.settings = gains;
             // What is no gain was refused by its limits.
             let _ = self.control.set_gains(gains.gains(&self.data));
@@ -445,54 +397,4 @@ impl ServoMotor {
             ..self.measurement.found
         };
     }
-}
-
-/// The greatest speed, in rad/s.
-fn speed(data: &ServoAxisData) -> f32 {
-    data.speed as f32 * std::f32::consts::TAU / 60.0
-}
-
-fn modulation(data: &ServoAxisData) -> Result<Modulation, Implausible> {
-    let stage = &data.plant.stage;
-    let dead = (stage.dead_time / stage.period) as f32;
-    Modulation::new(data.motor().wiring, dead, stage.ripple as f32, 0.96)
-}
-
-fn config(data: &ServoAxisData) -> CurrentConfig {
-    let voltage = data.plant.supply.voltage as f32;
-    let bounds = (0.6 * voltage, 1.25 * voltage);
-    CurrentConfig::quick(&data.motor(), SECONDS, 2.0 * data.peak_current, bounds)
-}
-
-fn derating() -> Option<Derating> {
-    Derating::new(80.0, 100.0).ok()
-}
-
-/// The loops for a motor.
-pub(super) fn loops(
-    data: &ServoAxisData,
-    motor: &Motor,
-    settings: &ServoSettings,
-) -> Result<(CurrentLoop, Control), Implausible> {
-    let voltage = data.plant.supply.voltage as f32;
-    let own = config(data);
-    let current = CurrentConfig {
-        share: settings.share().unwrap_or(own.share),
-        ..own
-    };
-    let (_, friction) = settings.motor(data);
-    let control = ControlConfig {
-        period: SECONDS * CONTROL as f32,
-        gains: settings.gains(data),
-        friction: friction / motor.torque_constant(),
-        peak_time: 2.0,
-        bus: Bus::new(1.03 * voltage, 1.05 * voltage, 1.2 * voltage)?,
-        derating: derating().ok_or(Implausible)?,
-        blocked: 0.5,
-        most_speed: speed(data) * 1.2,
-    };
-    Ok((
-        CurrentLoop::new(motor, current, modulation(data)?)?,
-        Control::new(motor, control)?,
-    ))
 }

@@ -1,0 +1,134 @@
+//! What the drive is set to beside its orders, and the loops that come of it.
+
+use servo::cascade::Gains;
+use servo::control::ControlConfig;
+use servo::current_loop::CurrentConfig;
+use servo::filter::Filter;
+use servo::modulation::Modulation;
+use servo::motor::Implausible;
+use servo::protection::{Bus, Derating};
+use servo::{Control, CurrentLoop, Motor};
+
+use super::{CONTROL, SECONDS, ServoAxisData};
+
+/// The motor and its loops as the objects say it; 0 is what the axis has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ServoSettings {
+    /// 20C2h: in µΩ, nH along and across, nV·s, g·mm², µN·m.
+    pub motor: [u32; 6],
+    /// 60F9h:1 and 2, 60FBh:1, in 1/s.
+    pub gains: [u16; 3],
+    /// 60F6h:1, in thousandths.
+    pub share: u16,
+    /// 20C3h: the low-pass in Hz and its quality in thousandths, the notch likewise.
+    pub filters: [u16; 4],
+}
+
+impl ServoSettings {
+    /// The motor that the loops go by, and the torque of its friction.
+    pub(super) fn motor(&self, data: &ServoAxisData) -> (Motor, f32) {
+        let own = data.motor();
+        let or = |number: u32, unit: f32, own: f32| match number {
+            0 => own,
+            _ => number as f32 * unit,
+        };
+        let [resistance, along, across, flux, inertia, friction] = self.motor;
+        let motor = Motor {
+            resistance: or(resistance, 1e-6, own.resistance),
+            inductance_d: or(along, 1e-9, own.inductance_d),
+            inductance_q: or(across, 1e-9, own.inductance_q),
+            flux: or(flux, 1e-9, own.flux),
+            inertia: or(inertia, 1e-9, own.inertia),
+            ..own
+        };
+        (
+            motor,
+            or(friction, 1e-6, data.plant.motor.coulomb_friction as f32),
+        )
+    }
+
+    pub(super) fn gains(&self, data: &ServoAxisData) -> Gains {
+        let own = Gains::from_bandwidth(data.bandwidth);
+        let or = |number: u16, own: f32| if number == 0 { own } else { number.into() };
+        let [velocity, integral, position] = self.gains;
+        Gains {
+            position: or(position, own.position),
+            velocity: or(velocity, own.velocity),
+            integral: or(integral, own.integral),
+        }
+    }
+
+    /// Low-pass and notch; a frequency of 0 is none. What cannot be is refused by the limits of 20C3h.
+    pub(super) fn filters(&self) -> (Filter, Filter) {
+        let period = SECONDS * CONTROL as f32;
+        let [low_pass, flatness, notch, narrowness] = self.filters.map(f32::from);
+        let low_pass = if flatness > 0.0 {
+            Filter::low_pass(low_pass, (flatness * 1e-3).max(0.1), period)
+        } else {
+            Filter::first_low_pass(low_pass, period)
+        };
+        let notch = Filter::notch(notch, narrowness * 1e-3, period);
+        (
+            low_pass.unwrap_or(Filter::NONE),
+            notch.unwrap_or(Filter::NONE),
+        )
+    }
+
+    /// `None` is that of the loop.
+    pub(super) fn share(&self) -> Option<f32> {
+        (self.share > 0).then(|| f32::from(self.share) * 1e-3)
+    }
+}
+
+/// The greatest speed, in rad/s.
+pub(super) fn speed(data: &ServoAxisData) -> f32 {
+    data.speed as f32 * std::f32::consts::TAU / 60.0
+}
+
+pub(super) fn modulation(data: &ServoAxisData) -> Result<Modulation, Implausible> {
+    let stage = &data.plant.stage;
+    let dead = (stage.dead_time / stage.period) as f32;
+    Modulation::new(data.motor().wiring, dead, stage.ripple as f32, 0.96)
+}
+
+pub(super) fn config(data: &ServoAxisData) -> CurrentConfig {
+    let voltage = data.plant.supply.voltage as f32;
+    let bounds = (0.6 * voltage, 1.25 * voltage);
+    CurrentConfig::quick(&data.motor(), SECONDS, 2.0 * data.peak_current, bounds)
+}
+
+pub(super) fn derating() -> Option<Derating> {
+    Derating::new(80.0, 100.0).ok()
+}
+
+/// The loops for a motor.
+pub(super) fn loops(
+    data: &ServoAxisData,
+    motor: &Motor,
+    settings: &ServoSettings,
+) -> Result<(CurrentLoop, Control), Implausible> {
+    let voltage = data.plant.supply.voltage as f32;
+    let own = config(data);
+    let current = CurrentConfig {
+        share: settings.share().unwrap_or(own.share),
+        ..own
+    };
+    let (_, friction) = settings.motor(data);
+    let control = ControlConfig {
+        period: SECONDS * CONTROL as f32,
+        gains: settings.gains(data),
+        friction: friction / motor.torque_constant(),
+        peak_time: 2.0,
+        bus: Bus::new(1.03 * voltage, 1.05 * voltage, 1.2 * voltage)?,
+        derating: derating().ok_or(Implausible)?,
+        blocked: 0.5,
+        most_speed: speed(data) * 1.2,
+    };
+    let mut control = Control::new(motor, control)?;
+    let (low_pass, notch) = settings.filters();
+    control.set_filters(low_pass, notch);
+    Ok((
+        CurrentLoop::new(motor, current, modulation(data)?)?,
+        control,
+    ))
+}
