@@ -165,6 +165,8 @@ pub struct Control {
     held: bool,
     is_limited: bool,
     astray: f32,
+    /// What the current loop has had the time to reach of what was asked of it.
+    due: Rotor,
     /// The current without the noise of its samples, for who is told of it.
     shown: Rotor,
     fault: Option<Fault>,
@@ -201,6 +203,7 @@ impl Control {
             held: false,
             is_limited: false,
             astray: 0.0,
+            due: Rotor::ZERO,
             shown: Rotor::ZERO,
             fault: None,
         };
@@ -215,6 +218,7 @@ impl Control {
         self.held = false;
         self.is_limited = false;
         self.astray = 0.0;
+        self.due = Rotor::ZERO;
         self.shown = Rotor::ZERO;
         self.fault = None;
         let periods = between(self.config.blocked / self.config.period, 1.0, 1e6) as u32;
@@ -429,7 +433,13 @@ impl Control {
             return Some(Fault::OverSpeed);
         }
         let angle = interrupt.observer.angle().sine_cosine();
-        let asked = interrupt.current.demand().beside_stator(angle);
+        let asked = interrupt.current.demand();
+        let keeps = fade(interrupt.current.rate(), self.config.period);
+        self.due = Rotor {
+            d: asked.d + keeps * (self.due.d - asked.d),
+            q: asked.q + keeps * (self.due.q - asked.q),
+        };
+        let asked = self.due.beside_stator(angle);
         let carried = current.beside_stator(angle);
         let phases = |stator: Stator| stator.phases(self.motor.wiring);
         let is_fed = !self.config.bus.is_sunk(seen.bus);

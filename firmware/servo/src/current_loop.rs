@@ -268,6 +268,11 @@ impl CurrentLoop {
         self.demand
     }
 
+    /// How fast an error goes, in 1/s.
+    pub fn rate(&self) -> f32 {
+        self.config.share / self.config.period
+    }
+
     /// The voltage that acts, in V.
     pub fn voltage(&self) -> Rotor {
         self.voltage

@@ -1,7 +1,7 @@
 //! A phase that carries nothing though something is asked of it: its wire or its switch is broken.
 //!
-//! The squares of what is asked of each phase and of what it carries fade over a time. A phase of which much was asked, and that carried less than
-//! a fifth of it, is lost. At a standstill a phase may have nothing to carry; then nothing is said of it.
+//! The squares of what is asked of each phase, as far as the current loop has had the time to reach it, and of what it carries fade over a time.
+//! A phase of which much was asked, and that carried less than a fifth of it, is lost. At a standstill a phase may have nothing to carry; then nothing is said of it.
 
 use crate::motor::{Implausible, Wiring};
 use crate::number::{fade, is_within, limit};
