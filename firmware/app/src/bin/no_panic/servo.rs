@@ -255,6 +255,10 @@ fn ordered(motor: &Motor, interrupt: &mut CurrentInterrupt) -> Result<(), Implau
         if any() == 0 {
             control.start();
         }
+        if any() == 0 {
+            let low_pass = Filter::first_low_pass(number(), number())?;
+            control.set_filters(low_pass, Filter::notch(number(), number(), number())?);
+        }
         let goal = if any() == 0 {
             Goal::Torque
         } else {
