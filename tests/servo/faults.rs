@@ -1,5 +1,6 @@
 //! What ends operation of a drive whose motor is moved by its current, and the error codes.
 
+use servo_plant::Short;
 use tests::drive::{FAULT, INTERNAL_LIMIT, OPERATION_ENABLED, ServoBench};
 
 use super::{enabled, hold, torque};
@@ -61,6 +62,35 @@ fn m45_a_phase_that_is_cut_is_a_fault() {
         drive.plant().load_brake = 0.05;
         drive.plant().cut_phase = Some(1);
         fails(&mut drive, 1_500, &[0x7122, 0x7305, 0x7121, 0x8611]);
+    }
+}
+
+#[test]
+fn m45_a_wire_that_touches_the_bus_is_a_fault() {
+    // Of two windings that do not know of each other nobody can tell that a current flows beside them.
+    for (name, code) in [
+        ("servo_100w", 0x2320),
+        ("servo_400w", 0x2320),
+        ("nema17", 0x2310),
+    ] {
+        let mut drive = turning(name);
+        drive.plant().short = Some(Short::new(0, 0.05, 2e-6));
+        fails(&mut drive, 5, &[code]);
+        let beside = drive.plant().short.map(|short| short.current());
+        assert!(beside.unwrap() < 0.01, "{beside:?} A");
+        // It is there at once when the fault is left while the wire still touches.
+        drive.command(0x80);
+        drive.run_millis(20);
+        drive.write_i32(0x60FF, 0, 0);
+        drive.command(0x06);
+        drive.command(0x07);
+        drive.command(0x0F);
+        fails(&mut drive, 50, &[code]);
+        drive.plant().short = None;
+        drive.command(0x80);
+        drive.run_millis(20);
+        drive.enable();
+        drive.reaches(OPERATION_ENABLED, 50);
     }
 }
 

@@ -24,6 +24,8 @@ use crate::{Cascade, Motor};
 pub enum Fault {
     /// A current above its bound.
     OverCurrent,
+    /// A current above its bound that flows beside the motor.
+    Short,
     /// The bus is below its bound.
     UnderVoltage,
     /// The bus is above its bound.
@@ -44,6 +46,7 @@ impl From<Trip> for Fault {
     fn from(trip: Trip) -> Self {
         match trip {
             Trip::OverCurrent => Self::OverCurrent,
+            Trip::Short => Self::Short,
             Trip::UnderVoltage => Self::UnderVoltage,
             Trip::OverVoltage => Self::OverVoltage,
         }

@@ -95,6 +95,8 @@ pub struct Sample {
 pub enum Trip {
     /// A current above its bound, or none that can be.
     OverCurrent,
+    /// A current above its bound that does not come back by the other phases.
+    Short,
     /// The bus is below its bound, or is no number.
     UnderVoltage,
     /// The bus is above its bound.
@@ -343,6 +345,13 @@ impl CurrentLoop {
         let (least, most) = self.config.bus;
         let found = match self.state {
             State::Tripped(trip) => Err(trip),
+            // What goes out by one of three phases comes back by the others.
+            _ if !is_held
+                && self.wiring == Wiring::ThreePhase
+                && (a + b + c).abs() > 0.5 * trip =>
+            {
+                Err(Trip::Short)
+            }
             _ if !is_held => Err(Trip::OverCurrent),
             _ if sample.bus > most => Err(Trip::OverVoltage),
             _ if sample.bus >= least => Ok(()),

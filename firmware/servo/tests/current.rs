@@ -179,10 +179,16 @@ fn a_current_above_the_trip_turns_the_gates_off_until_a_start() {
         bus,
         ..Sample::default()
     };
+    let beside = |current| Sample {
+        currents: [current, 0.0, 0.0],
+        ..sample(0.0, 48.0)
+    };
     for (sample, trip) in [
         (sample(12.1, 48.0), Trip::OverCurrent),
         (sample(-12.1, 48.0), Trip::OverCurrent),
         (sample(f32::NAN, 48.0), Trip::OverCurrent),
+        (beside(12.1), Trip::Short),
+        (beside(-12.1), Trip::Short),
         (sample(0.0, 60.1), Trip::OverVoltage),
         (sample(0.0, f32::INFINITY), Trip::OverVoltage),
         (sample(0.0, 9.9), Trip::UnderVoltage),

@@ -22,6 +22,7 @@ pub mod energy;
 pub mod mechanical;
 mod noise;
 pub mod sensors;
+mod short;
 pub mod stage;
 pub mod supply;
 
@@ -32,6 +33,7 @@ use mechanical::Mechanics;
 use noise::Noise;
 use sensors::Sensors;
 pub use sensors::{Readings, SensorFaults};
+pub use short::Short;
 use stage::Bridge;
 pub use stage::Gates;
 use supply::Supply;
@@ -62,6 +64,8 @@ pub struct Plant {
     pub is_fed: bool,
     /// The wire of this phase is cut; it carries no current.
     pub cut_phase: Option<usize>,
+    /// A wire touches the negative side of the bus.
+    pub short: Option<Short>,
     /// What is wrong with the sensors.
     pub sensor_faults: SensorFaults,
 }
@@ -83,6 +87,7 @@ impl Plant {
             chopper: false,
             is_fed: true,
             cut_phase: None,
+            short: None,
             sensor_faults: SensorFaults::default(),
             data,
         }
@@ -118,7 +123,12 @@ impl Plant {
         }
         self.energy.electrical += work.input;
         self.energy.copper += work.copper;
-        let drawn = work.input / STEP;
+        let mut drawn = work.input / STEP;
+        if let Some(short) = &mut self.short {
+            let currents = self.winding.phases(&self.data.motor, end);
+            let voltage = bridge.of_wire(self.data.motor.phases, short.phase, currents);
+            drawn += short.go_on(voltage, STEP) / STEP;
+        }
         self.energy.supplied +=
             self.supply
                 .go_on(&self.data.supply, drawn, self.chopper, self.is_fed, STEP);
@@ -127,7 +137,10 @@ impl Plant {
         self.mechanics
             .kick(mechanics, after, STEP / 2.0, &mut self.energy);
         self.steps += 1;
-        let phases = self.winding.phases(&self.data.motor, end);
+        let mut phases = self.winding.phases(&self.data.motor, end);
+        if let Some(short) = self.short {
+            phases[short.phase] += short.current();
+        }
         self.sensors
             .look(&self.data.sensors, phases, self.mechanics.angle);
     }

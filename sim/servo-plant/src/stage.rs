@@ -65,6 +65,19 @@ impl Bridge {
         }
     }
 
+    /// Between the first wire of a phase and the negative side of the bus, while the wire carries a positive current.
+    pub(crate) fn of_wire(&self, phases: Phases, phase: usize, currents: [f64; 3]) -> f64 {
+        let Gates::On(duties) = self.gates else {
+            // The lower diode.
+            return 0.0;
+        };
+        let voltage = self.leg(phases, duties[phase], currents[phase]);
+        match phases {
+            Phases::Three => voltage,
+            Phases::Two => f64::midpoint(self.bus, voltage),
+        }
+    }
+
     /// What a phase gets.
     fn leg(&self, phases: Phases, duty: f64, current: f64) -> f64 {
         let lost = self.dead * (current / self.ripple).clamp(-1.0, 1.0);

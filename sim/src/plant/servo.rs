@@ -231,6 +231,7 @@ impl ServoMotor {
     pub fn error_code(&self) -> Option<u16> {
         self.fault.map(|fault| match fault {
             Fault::OverCurrent => 0x2310,
+            Fault::Short => 0x2320,
             Fault::UnderVoltage => 0x3220,
             Fault::OverVoltage => 0x3210,
             Fault::Temperature => 0x4310,
