@@ -95,6 +95,19 @@ fn m45_a_wire_that_touches_the_bus_is_a_fault() {
 }
 
 #[test]
+fn m45_a_current_sensor_that_says_what_cannot_be_is_a_fault() {
+    for (says, target) in [(0.0, 500), (3.0, 0)] {
+        let mut drive = enabled("servo_100w", 4);
+        hold(&mut drive);
+        drive.write_i16(0x6071, 0, target);
+        drive.run_millis(600);
+        assert!((torque(&mut drive) - target).abs() <= 5);
+        drive.plant().sensor_faults.stuck_current = Some((1, says));
+        fails(&mut drive, 50, &[0x7300]);
+    }
+}
+
+#[test]
 fn m45_a_supply_that_goes_is_a_fault() {
     let mut drive = turning("servo_400w");
     drive.set_supply(false);

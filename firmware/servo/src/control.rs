@@ -38,6 +38,8 @@ pub enum Fault {
     Encoder,
     /// A phase carries nothing.
     PhaseLost,
+    /// The currents of the phases do not add up to nothing: a sensor of them is wrong, or a current leaks.
+    CurrentSensor,
     /// Faster than the motor may turn.
     OverSpeed,
 }
@@ -120,6 +122,8 @@ pub struct Seen {
     pub bus: f32,
     /// Of the stage, in °C.
     pub temperature: f32,
+    /// The sum of the currents of three phases, in A; 0 of a motor of two.
+    pub sum: f32,
 }
 
 /// What becomes of an order.
@@ -145,6 +149,9 @@ const SHOWN: f32 = 2e-3;
 /// The share of the rated voltage of the winding above which what the model does not know is an encoder that is wrong.
 const UNKNOWN: f32 = 0.35;
 
+/// The share of the rated current that the currents of the phases may add up to, and for how long, in s.
+const ADDED_UP: (f32, f32) = (0.2, 2e-3);
+
 /// See the module.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Control {
@@ -168,6 +175,8 @@ pub struct Control {
     held: bool,
     is_limited: bool,
     astray: f32,
+    /// How long the currents of the phases have not added up to nothing, in s.
+    unequal: f32,
     /// What the current loop has had the time to reach of what was asked of it.
     due: Rotor,
     /// The current without the noise of its samples, for who is told of it.
@@ -206,6 +215,7 @@ impl Control {
             held: false,
             is_limited: false,
             astray: 0.0,
+            unequal: 0.0,
             due: Rotor::ZERO,
             shown: Rotor::ZERO,
             fault: None,
@@ -221,6 +231,7 @@ impl Control {
         self.held = false;
         self.is_limited = false;
         self.astray = 0.0;
+        self.unequal = 0.0;
         self.due = Rotor::ZERO;
         self.shown = Rotor::ZERO;
         self.fault = None;
@@ -445,6 +456,15 @@ impl Control {
         let asked = self.due.beside_stator(angle);
         let carried = current.beside_stator(angle);
         let phases = |stator: Stator| stator.phases(self.motor.wiring);
+        let (share, time) = ADDED_UP;
+        if is_within(seen.sum.abs(), 0.0, share * self.motor.rated_current) {
+            self.unequal = 0.0;
+        } else {
+            self.unequal += self.config.period;
+        }
+        if self.unequal > time {
+            return Some(Fault::CurrentSensor);
+        }
         let is_fed = !self.config.bus.is_sunk(seen.bus);
         if is_fed && (self.phase_loss.run(phases(asked), phases(carried))).is_some() {
             return Some(Fault::PhaseLost);

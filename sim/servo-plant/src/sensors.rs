@@ -6,7 +6,7 @@ use crate::data::SensorData;
 use crate::noise::Noise;
 
 /// What is wrong with the sensors.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SensorFaults {
     /// The encoder counts no more, and the absolute angle stands still.
     pub encoder_is_cut: bool,
@@ -14,6 +14,8 @@ pub struct SensorFaults {
     pub lost_counts: i64,
     /// The Hall sensors whose wires are cut read 0: sensor `n` in bit `n`.
     pub cut_hall: u8,
+    /// The current sensor of this phase says this, in A, whatever flows.
+    pub stuck_current: Option<(usize, f64)>,
 }
 
 /// What the sensors say.
@@ -84,7 +86,7 @@ impl Sensors {
         let delay = data.current_delay.min(SensorData::MOST_DELAY);
         let oldest = (self.newest + self.past.len() - delay) % self.past.len();
         let true_currents = self.past[oldest];
-        let currents = std::array::from_fn(|phase| {
+        let mut currents: [f64; 3] = std::array::from_fn(|phase| {
             let current = true_currents[phase]
                 + data.current_offset[phase]
                 + noise.normal(data.current_noise);
@@ -95,6 +97,9 @@ impl Sensors {
             };
             shown.clamp(-data.current_range, data.current_range)
         });
+        if let Some((phase, current)) = faults.stuck_current {
+            currents[phase] = current;
+        }
         let jitter = noise.normal(data.count_noise) * TAU / f64::from(data.counts);
         Readings {
             currents,

@@ -237,6 +237,7 @@ impl ServoMotor {
             Fault::Temperature => 0x4310,
             Fault::Blocked => 0x7121,
             Fault::PhaseLost => 0x7122,
+            Fault::CurrentSensor => 0x7300,
             Fault::Encoder => 0x7305,
             Fault::OverSpeed => 0x7310,
         })
@@ -289,6 +290,13 @@ impl ServoMotor {
             let seen = Seen {
                 bus,
                 temperature: f32::from(hot) / 10.0,
+                sum: match self.motor.wiring {
+                    Wiring::TwoPhase => 0.0,
+                    Wiring::ThreePhase => {
+                        let currents = self.interrupt.sense.amperes(counts.currents);
+                        currents.iter().sum()
+                    }
+                },
             };
             // The control goes on where the interrupt has ended: it tells the fault.
             if let Ok(current) = self.control.run(&self.interrupt, &seen) {

@@ -280,6 +280,7 @@ fn ordered(motor: &Motor, interrupt: &mut CurrentInterrupt) -> Result<(), Implau
         let seen = Seen {
             bus: number(),
             temperature: number(),
+            sum: number(),
         };
         look(control.chops(seen.bus).into());
         match control.run(interrupt, &seen) {
