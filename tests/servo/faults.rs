@@ -3,7 +3,7 @@
 use servo_plant::Short;
 use tests::drive::{FAULT, INTERNAL_LIMIT, OPERATION_ENABLED, ServoBench};
 
-use super::{enabled, hold, torque};
+use super::{enable, enabled, hold, torque};
 
 /// The drive is in fault within so many milliseconds, with one of these codes, and the motor has no current.
 #[track_caller]
@@ -214,4 +214,27 @@ fn m45_heat_of_the_motor_is_warned_of_before_a_held_rotor_is_blocked() {
     }
     // Then the heat takes back what was asked for, and the rotor that is held is blocked at a limit.
     fails(&mut drive, 500, &[0x7121]);
+}
+
+#[test]
+fn m45_the_stage_has_a_heat_of_its_own() {
+    // It bears 6 A for ever, where the motor bears 4 A, and its peak of 12 A for half a second, where the motor bears that for two.
+    let mut drive = ServoBench::on_changed("servo_100w", |data| data.stage = (6.0, 0.5));
+    drive.write_u32(0x6087, 0, 100_000);
+    let mut drive = enable(drive, 4);
+    hold(&mut drive);
+    // 8 A: 54 A²s are there for 28 A² above what the stage bears. The motor has 256 A²s for 48 A².
+    drive.write_i16(0x6071, 0, 2_000);
+    drive.run_millis(1_600);
+    assert!((torque(&mut drive) - 2_000).abs() <= 10);
+    assert_eq!(drive.statusword() & (INTERNAL_LIMIT | 0x80), 0);
+    let mut waited = 1_600;
+    while drive.statusword() & 0x80 == 0 {
+        drive.run_millis(10);
+        waited += 10;
+        assert!(waited < 1_900, "2350h is a warning");
+    }
+    assert!((torque(&mut drive) - 2_000).abs() <= 10);
+    // Then the stage takes back what was asked for, and the rotor that is held is blocked at a limit.
+    fails(&mut drive, 300, &[0x7121]);
 }

@@ -70,8 +70,10 @@ pub struct ControlConfig {
     pub gains: Gains,
     /// The current that dry friction takes, in A.
     pub friction: f32,
-    /// How long the peak current may last, in s.
+    /// How long the motor bears its peak current, in s.
     pub peak_time: f32,
+    /// The current that the stage bears for ever, in A, up to the peak of the motor, and how long it bears that, in s.
+    pub stage: (f32, f32),
     /// The bus while the motor brakes.
     pub bus: Bus,
     /// The temperature.
@@ -158,7 +160,8 @@ pub struct Control {
     motor: Motor,
     config: ControlConfig,
     cascade: Cascade,
-    thermal: Thermal,
+    /// Of the motor, and of the stage.
+    thermal: [Thermal; 2],
     blocked: Blocked,
     phase_loss: PhaseLoss,
     /// rad of a count.
@@ -196,6 +199,7 @@ impl Control {
         let cascade =
             Cascade::new(&motor, config.gains, period)?.with(filter, filter, config.friction)?;
         let (rated, peak) = (motor.rated_current, motor.peak_current);
+        let (stage, stage_time) = config.stage;
         let periods = between(config.blocked / period, 1.0, 1e6) as u32;
         let least = between(0.02 * rated, 1e-3, rated);
         let is_one = is_within(config.most_speed, 1.0, 1e4);
@@ -203,7 +207,10 @@ impl Control {
             motor,
             config,
             cascade,
-            thermal: Thermal::new(rated, peak, config.peak_time, period)?,
+            thermal: [
+                Thermal::new(rated, peak, config.peak_time, period)?,
+                Thermal::new(stage, peak, stage_time, period)?,
+            ],
             blocked: Blocked::new(0.9 * rated, 1.0, periods)?,
             phase_loss: PhaseLoss::new(motor.wiring, least, 0.02, period)?,
             count: core::f32::consts::TAU / motor.counts as f32,
@@ -307,7 +314,8 @@ impl Control {
             d: current.d + keeps * (self.shown.d - current.d),
             q: current.q + keeps * (self.shown.q - current.q),
         };
-        let heat = self.thermal.run(current.square());
+        let [motor, stage] = &mut self.thermal;
+        let heat = motor.run(current.square()).min(stage.run(current.square()));
         let share = self.config.derating.share(seen.temperature);
         let actual = self.actual(interrupt);
         let limits = self.limits(heat * share, actual.velocity, seen.bus);
@@ -361,7 +369,7 @@ impl Control {
             },
             velocity: self.actual(interrupt).velocity / self.count,
             is_limited: is_on && self.is_limited,
-            is_hot: self.thermal.share() > 0.9,
+            is_hot: self.thermal.iter().any(|thermal| thermal.share() > 0.9),
         }
     }
 

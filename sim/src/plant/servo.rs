@@ -53,6 +53,8 @@ pub struct ServoAxisData {
     pub rated_current: f32,
     /// See `rated_current`.
     pub peak_current: f32,
+    /// What the stage bears for ever, in A, and how long it bears the peak, in s.
+    pub stage: (f32, f32),
     /// Of the velocity loop, in rad/s.
     pub bandwidth: f32,
     /// The greatest speed, in 1/min.
@@ -79,6 +81,7 @@ const fn axis(
         plant,
         rated_current,
         peak_current,
+        stage: (peak_current, 2.0),
         bandwidth,
         speed,
     }

@@ -119,6 +119,7 @@ pub(super) fn loops(
         gains: settings.gains(data),
         friction: friction / motor.torque_constant(),
         peak_time: 2.0,
+        stage: data.stage,
         bus: Bus::new(1.03 * voltage, 1.05 * voltage, 1.2 * voltage)?,
         derating: derating().ok_or(Implausible)?,
         blocked: 0.5,

@@ -245,6 +245,7 @@ fn ordered(motor: &Motor, interrupt: &mut CurrentInterrupt) -> Result<(), Implau
         gains: Gains::from_bandwidth(number()),
         friction: number(),
         peak_time: number(),
+        stage: (number(), number()),
         bus: Bus::new(number(), number(), number())?,
         derating: Derating::new(number(), number())?,
         blocked: number(),
