@@ -15,6 +15,8 @@ enum Breaks {
     Encoder,
     /// The wire of a phase is cut.
     Phase(usize),
+    /// The wire of a phase touches the bus.
+    Wire(usize),
     /// Something feeds the bus.
     Bus,
     /// The rotor is held.
@@ -26,6 +28,7 @@ impl Breaks {
     fn shows_as(self, fault: Fault) -> bool {
         match self {
             Self::Supply => fault == Fault::UnderVoltage,
+            Self::Wire(_) => matches!(fault, Fault::Short | Fault::OverCurrent),
             Self::Bus => fault == Fault::OverVoltage,
             Self::Rotor => fault == Fault::Blocked,
             Self::Encoder => matches!(
@@ -125,17 +128,21 @@ fn whatever_breaks_ends_the_current_and_the_motion() {
         rig.servo.plant.load_brake = load;
         rig.run(random(0.005, 0.25), wanted);
         assert_eq!(rig.servo.fault, None, "{moment}: nothing is broken yet");
-        let breaks = match (moment / 4) % 5 {
+        let breaks = match (moment / 4) % 6 {
             0 => Breaks::Supply,
             1 => Breaks::Encoder,
             2 => Breaks::Phase(random(0.0, 1.99) as usize),
             3 => Breaks::Bus,
+            4 => Breaks::Wire(random(0.0, 1.99) as usize),
             _ => Breaks::Rotor,
         };
         match breaks {
             Breaks::Supply => rig.servo.plant.is_fed = false,
             Breaks::Encoder => rig.servo.plant.sensor_faults.encoder_is_cut = true,
             Breaks::Phase(phase) => rig.servo.plant.cut_phase = Some(phase),
+            Breaks::Wire(phase) => {
+                rig.servo.plant.short = Some(servo_plant::Short::new(phase, 0.05, 2e-6));
+            }
             Breaks::Bus => rig.servo.plant.charge_bus(1.4 * data.plant.supply.voltage),
             Breaks::Rotor => rig.servo.plant.load_brake = 100.0,
         }
