@@ -5,7 +5,7 @@ use canopen::cia301::emergency::Emergency;
 use canopen::cia301::nmt::Reset;
 use canopen::cia301::sdo::AbortCode;
 use canopen::od::{Dictionary, Habits, Table, Told};
-use canopen::{Event, Frame, Instant, Node, NodeId, Settings};
+use canopen::{Duration, Event, Frame, Instant, Node, NodeId, Settings};
 
 /// The small dictionary in a device of a maker who has other habits, or none.
 struct Device<const HAS_HABITS: bool>(Objects);
@@ -48,6 +48,7 @@ impl<const HAS_HABITS: bool> Dictionary for Device<HAS_HABITS> {
             settings_are_objects: true,
             lss_100_kbit: true,
             receives_at_nth_sync: true,
+            event_timer_in_100_us: true,
             tells_its_state: true,
             tells_of_the_rest: true,
         }
@@ -356,6 +357,40 @@ fn a_receive_pdo_of_type_3_counts_at_the_third_sync_or_at_the_next() {
     }
     assert_eq!(applied::<false>(), [1, 2, 3, 4]);
     assert_eq!(applied::<true>(), [0, 0, 3, 3]);
+}
+
+#[test]
+fn an_event_timer_counts_in_100_us_or_in_milliseconds() {
+    /// The microseconds from one frame of TPDO 1 to the next, whose timer was 8 from the start and is 30 then.
+    fn pauses<const HAS_HABITS: bool>() -> [u64; 2] {
+        let mut node = node::<HAS_HABITS>();
+        refusal(&mut node, (0x1800, 1), &0xC000_0184_u32.to_le_bytes());
+        assert_eq!(refusal(&mut node, (0x1800, 2), &[255]), 0);
+        assert_eq!(refusal(&mut node, (0x1800, 3), &[0, 0]), 0);
+        assert_eq!(refusal(&mut node, (0x1800, 5), &[8, 0]), 0);
+        let on = 0x4000_0184_u32.to_le_bytes();
+        assert_eq!(refusal(&mut node, (0x1800, 1), &on), 0);
+        node.receive(&Frame::data_frame(0, &[1, 4]), NOW, &mut ());
+        let mut pauses = [0, 0];
+        for (index, pause) in pauses.iter_mut().enumerate() {
+            let mut came = Vec::new();
+            for tick in 0..1_000 {
+                let now = NOW + Duration::from_ticks(index as u64 * 100_000 + tick * 100);
+                node.poll(now, &mut ());
+                let frames = std::iter::from_fn(|| node.transmit(&mut ()));
+                let own = |frame: &Frame| frame.standard_id() == Some(0x184);
+                came.extend(frames.filter(own).map(|_| now));
+            }
+            let [.., before, last] = came[..] else {
+                panic!("{came:?}")
+            };
+            *pause = last.ticks() - before.ticks();
+            assert_eq!(refusal(&mut node, (0x1800, 5), &[30, 0]), 0);
+        }
+        pauses
+    }
+    assert_eq!(pauses::<false>(), [8_000, 30_000]);
+    assert_eq!(pauses::<true>(), [800, 3_000]);
 }
 
 #[test]

@@ -59,6 +59,8 @@ pub struct Habits {
     pub lss_100_kbit: bool,
     /// A frame of a receive PDO of type N, 2 to 240, counts at the Nth SYNC from then on; else at the next one, as CiA 301 has it.
     pub receives_at_nth_sync: bool,
+    /// The event timer of a transmit PDO counts in 100 µs, as its inhibit time does; else in milliseconds, as CiA 301 has it.
+    pub event_timer_in_100_us: bool,
     /// Without a heartbeat, an NMT command that changes the state is answered with the new one, as a heartbeat has it.
     pub tells_its_state: bool,
     /// The message of an error is followed by one with code 0 and the error register: what is wrong in all.
@@ -84,6 +86,7 @@ impl Habits {
         settings_are_objects: false,
         lss_100_kbit: false,
         receives_at_nth_sync: false,
+        event_timer_in_100_us: false,
         tells_its_state: false,
         tells_of_the_rest: false,
     };

@@ -71,7 +71,7 @@ pub(super) struct Communication {
     pub(super) cob_id: u16,
     /// The inhibit time in multiples of 100 µs; 0 for none.
     pub(super) inhibit_time: u16,
-    /// The event timer in milliseconds, of a receive PDO its deadline; 0 for none.
+    /// The event timer in milliseconds, of a receive PDO its deadline; 0 for none. Of a transmit PDO the device may have a habit here.
     pub(super) event_timer: u16,
     pub(super) transmission_type: TransmissionType,
     /// Whether a remote frame may ask for the PDO (bit 30 of the COB-ID is 0).
@@ -161,7 +161,7 @@ impl Parameters {
         })
     }
 
-    /// The event timer in milliseconds, of a receive PDO its deadline; 0 for none.
+    /// The event timer as it is written, of a receive PDO its deadline; 0 for none.
     pub(super) fn event_timer<D: Dictionary>(self, dictionary: &D) -> u16 {
         number(dictionary, self.communication(), 5).unwrap_or(0) as u16
     }

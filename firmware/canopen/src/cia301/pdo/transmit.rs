@@ -186,7 +186,7 @@ impl<S: Slots<TransmitPdo<M>>, M: Slots<Mapped>> Transmit<S, M> {
         };
         let parameters = Parameters::new(Direction::Transmit, number as u16);
         if parameters.is_event_timer(entry) {
-            pdo.set_event_timer(parameters.event_timer(dictionary), now);
+            pdo.set_event_timer::<D>(parameters.event_timer(dictionary), now);
             self.count();
             return;
         }

@@ -161,7 +161,7 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
         self.event_at = NOT_RUNNING;
         if self.addressing().is_some() {
             self.scan = Scan::START;
-            self.restart_event_timer(now);
+            self.restart_event_timer::<D>(now);
         } else if self.is_event_driven() {
             self.poll(dictionary, now, agenda);
         }
@@ -173,13 +173,13 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
         self.is_due = false;
     }
 
-    /// A new event timer in milliseconds, counted from now; 0 for none. The one that it has already goes on.
-    pub(super) fn set_event_timer(&mut self, time: u16, now: Instant) {
+    /// A new event timer, counted from now; 0 for none. The one that it has already goes on.
+    pub(super) fn set_event_timer<D: Dictionary>(&mut self, time: u16, now: Instant) {
         let event_timer = &mut self.record.communication.event_timer;
         if self.record.communication.cob_id != 0 && time != *event_timer {
             *event_timer = time;
             self.find_watch();
-            self.restart_event_timer(now);
+            self.restart_event_timer::<D>(now);
         }
     }
 
@@ -326,7 +326,7 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
         if self.is_due && has_come(self.free_at(), now) {
             self.give_out(present, agenda);
             self.left_at = now;
-            self.restart_event_timer(now);
+            self.restart_event_timer::<D>(now);
         }
         if self.is_due {
             self.free_at()
@@ -363,7 +363,7 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
     ) -> Instant {
         if has_come(self.timer_end(), now) {
             self.is_due = true;
-            self.restart_event_timer(now);
+            self.restart_event_timer::<D>(now);
         }
         self.start_inhibit_time(now, agenda);
         if self.is_due && !agenda.waits(self.object) && has_come(self.free_at(), now) {
@@ -475,8 +475,13 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
         self.sync_count = 0;
     }
 
-    fn restart_event_timer(&mut self, now: Instant) {
-        let time = u32::from(self.record.communication.event_timer) * 1000;
+    fn restart_event_timer<D: Dictionary>(&mut self, now: Instant) {
+        let unit = if D::HABITS.event_timer_in_100_us {
+            100
+        } else {
+            1000
+        };
+        let time = u32::from(self.record.communication.event_timer) * unit;
         let has_timer = self.is_event_driven() || self.addressing() == Some(Addressing::Source);
         self.event_at = if time == 0 || !has_timer {
             NOT_RUNNING
