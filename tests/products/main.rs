@@ -27,3 +27,4 @@ mod sequences;
 mod settings;
 mod speeds;
 mod steer;
+mod storage;

@@ -173,12 +173,6 @@ const SHOWN: &[(&str, u16, &str)] = &[
     ("lmd", 0x2402, "the manual counts 8, 4 and 3 of three words"),
     ("nanotec", 0x2009, "the node-ID that is stored"),
     ("s200", 0x6041, "the drive has booted and has its supply"),
-    ("tc1", 0x1010, "nothing of groups 5 and 6 is there to store"),
-    (
-        "tc1",
-        0x1011,
-        "nothing of groups 5 and 6 is there to restore",
-    ),
 ];
 
 /// Objects that refuse to be written with what they hold, and why.

@@ -3,7 +3,7 @@
 //!
 //! A master writes "save" to a sub-index of 1010h, and from the next reset on the parameters start with the values they have
 //! now; "load" to one of 1011h makes the next reset start with those of the data sheet again. Sub-index 1 is for all
-//! parameters, 2 for those of the communication, 3 for those of the device profile, 4 for the manufacturer's. The answer
+//! parameters, 2 for those of the communication, 3 for those of the device profile, 4 to 127 for the manufacturer's. The answer
 //! comes when the data is safe, and not before. 1020h is for a configuration tool: it puts in when it configured the device, saves,
 //! and sees after each start whether that still holds.
 //!
@@ -82,13 +82,14 @@ impl ParameterSets {
         Self(1 << set as u8 | 1 << ParameterSet::ConfigurationDate as u8)
     }
 
-    /// What a sub-index of 1010h or 1011h stands for; `None` for 0 and those that are reserved or the manufacturer's own.
+    /// What a sub-index of 1010h or 1011h stands for; `None` for 0 and those that are reserved. A manufacturer may have divided his
+    /// parameters into groups, 4 to 127: here they are one.
     pub const fn of_sub_index(sub: u8) -> Option<Self> {
         match sub {
             1 => Some(Self::ALL),
             2 => Some(Self::with_date(ParameterSet::Communication)),
             3 => Some(Self::with_date(ParameterSet::Application)),
-            4 => Some(Self::with_date(ParameterSet::Manufacturer)),
+            4..=0x7F => Some(Self::with_date(ParameterSet::Manufacturer)),
             _ => None,
         }
     }
