@@ -181,11 +181,10 @@ fn tells_behind_stopped(name: &str) {
     assert_eq!(told.first().map(|(code, _)| *code), Some(0x8130), "{name}");
 }
 
-/// The name is a printable text, and so are the versions that a manual tells.
+/// The name is a printable text, and so are the versions.
 fn has_texts(name: &str) {
     let mut bench = booted(name);
-    let last = if name == "tc1" { 0x1008 } else { 0x100A };
-    for index in 0x1008..=last {
+    for index in 0x1008..=0x100A {
         let text = text(&mut bench, index);
         assert!(!text.is_empty(), "{name}: {index:04X}h");
         let is_fine = |letter: &u8| (0x20..=0x7E).contains(letter);
@@ -303,7 +302,7 @@ mod each {
         has_plain_pdos: tc1;
         makes_sync: tc1;
         tells_behind_stopped: tc1;
-        has_texts: lmd tc1;
+        has_texts: lmd s200 tc1;
         tells_with_another_identifier: s200;
         sends_once_behind_an_event: nanotec s200;
     }
