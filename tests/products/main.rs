@@ -28,3 +28,4 @@ mod settings;
 mod speeds;
 mod steer;
 mod storage;
+mod transfers;

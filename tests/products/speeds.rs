@@ -284,6 +284,68 @@ fn the_direct_task_of_the_s200_is_a_set_point() {
     assert_eq!(bench.read(NODE, 0x35C8, 1), 5_000);
 }
 
+/// 2000h, the step mode, is kept and changes nothing: each pulse is a microstep in all of them.
+#[test]
+fn the_nanotec_makes_microsteps_in_each_step_mode() {
+    let mut paths = Vec::new();
+    for mode in [1, 2, 4, 5, 8, 10, 16, 32, 64, 255] {
+        let mut bench = enabled("nanotec", 1);
+        bench.write(NODE, 0x2000, 0, &[mode]);
+        assert_eq!(bench.read(NODE, 0x2000, 0) as u8, mode);
+        number(&mut bench, 0x6082, 0, 0);
+        begin(&mut bench, 1_000, 1_000, 10_000);
+        let mut path = Vec::new();
+        for _ in 0..60 {
+            bench.run(20);
+            path.push(bench.drive.plant_mut().position());
+        }
+        assert_eq!(path.last(), Some(&1_000), "{mode}");
+        // Twenty milliseconds at 1000 a second are 20 of them, and at the start they are fewer.
+        assert!(
+            path.windows(2)
+                .all(|two| (0..=22).contains(&(two[1] - two[0])))
+        );
+        paths.push(path);
+    }
+    assert!(paths.windows(2).all(|two| two[0] == two[1]));
+}
+
+/// A quick stop has the ramp of its mode: 6085h, and 604Ah in velocity mode. Half a second at 20,000 a second² is 2500 far.
+#[test]
+fn the_quick_stop_of_a_nanotec_has_the_ramp_of_its_mode() {
+    for mode in [1, 2, 6] {
+        let mut bench = enabled("nanotec", mode);
+        match mode {
+            1 => {
+                number(&mut bench, 0x6085, 0, 20_000);
+                number(&mut bench, 0x6082, 0, 0);
+                begin(&mut bench, 1_000_000, 10_000, 100_000);
+            }
+            2 => {
+                number(&mut bench, 0x6085, 0, 60_000);
+                number(&mut bench, 0x604A, 1, 20_000);
+                bench.write(NODE, 0x604A, 2, &[1, 0]);
+                number(&mut bench, 0x6048, 1, 100_000);
+                bench.write(NODE, 0x6048, 2, &[1, 0]);
+                bench.write(NODE, 0x6042, 0, &10_000_i16.to_le_bytes());
+            }
+            _ => {
+                number(&mut bench, 0x6085, 0, 20_000);
+                number(&mut bench, 0x609A, 0, 100_000);
+                number(&mut bench, 0x6099, 1, 10_000);
+                bench.write(NODE, 0x6098, 0, &[20]);
+                command(&mut bench, 0x1F);
+            }
+        }
+        bench.run(1_000);
+        assert!((495..=505).contains(&way(&mut bench, 50)), "{mode}");
+        command(&mut bench, 0x0B);
+        let braked = way(&mut bench, 1_000);
+        assert!((2_450..=2_600).contains(&braked), "{mode}: {braked}");
+        assert_eq!(way(&mut bench, 100), 0, "{mode}");
+    }
+}
+
 mod each {
     promises! {
         begins_with_its_start_speed: lmd nanotec;

@@ -1,0 +1,72 @@
+//! What the manuals promise of SDO transfers of more than one frame.
+
+use crate::promises::booted;
+use crate::steer::{NODE, number};
+
+/// The code of an abort, whatever object it names.
+fn aborted(answer: [u8; 8]) -> u32 {
+    let [0x80, _, _, _, a, b, c, d] = answer else {
+        panic!("{answer:02X?}");
+    };
+    u32::from_le_bytes([a, b, c, d])
+}
+
+/// A number comes in a segment as well, its length told or not.
+fn takes_a_number_in_a_segment(name: &str) {
+    let mut bench = booted(name);
+    for (command, length, value) in [(0x21, 4, 12_345_u32), (0x20, 0, 23_456)] {
+        let answer = bench.sdo(NODE, [command, 0x85, 0x60, 0, length, 0, 0, 0]);
+        assert_eq!(answer, [0x60, 0x85, 0x60, 0, 0, 0, 0, 0], "{name}");
+        let [a, b, c, d] = value.to_le_bytes();
+        let answer = bench.sdo(NODE, [0x07, a, b, c, d, 0, 0, 0]);
+        assert_eq!(answer, [0x20, 0, 0, 0, 0, 0, 0, 0], "{name}");
+        assert_eq!(bench.read(NODE, 0x6085, 0), value, "{name}");
+    }
+    // A toggle bit that is wrong ends it.
+    bench.sdo(NODE, [0x21, 0x85, 0x60, 0, 4, 0, 0, 0]);
+    let answer = bench.sdo(NODE, [0x17, 1, 2, 3, 4, 0, 0, 0]);
+    assert_eq!(aborted(answer), 0x0503_0000, "{name}");
+    assert_eq!(bench.read(NODE, 0x6085, 0), 23_456, "{name}");
+}
+
+/// The Nanotec, whose manual has their abort codes and no more, knows blocks as well.
+#[test]
+fn the_nanotec_has_blocks() {
+    let mut bench = booted("nanotec");
+    number(&mut bench, 0x6085, 0, 12_345);
+    let answer = bench.sdo(NODE, [0xA0, 0x85, 0x60, 0, 127, 0, 0, 0]);
+    assert_eq!(answer[0] & !0x04, 0xC2, "four bytes: {answer:02X?}");
+    assert_eq!(answer[4..], [4, 0, 0, 0]);
+    let block = bench.sdo(NODE, [0xA3, 0, 0, 0, 0, 0, 0, 0]);
+    assert_eq!(block[..5], [0x81, 0x39, 0x30, 0x00, 0x00], "the last one");
+    let end = bench.sdo(NODE, [0xA2, 1, 127, 0, 0, 0, 0, 0]);
+    assert_eq!(end[0], 0xCD, "three bytes of it are none");
+    bench.send(&canopen::Frame::full(0x604, [0xA1, 0, 0, 0, 0, 0, 0, 0]));
+    for size in [0, 128] {
+        let answer = bench.sdo(NODE, [0xA0, 0x85, 0x60, 0, size, 0, 0, 0]);
+        assert_eq!(aborted(answer), 0x0504_0002, "{size}");
+    }
+}
+
+/// A request that begins a transfer drops the one that is open, and after it nobody asks for a segment.
+#[test]
+fn the_tc1_has_one_transfer_at_a_time() {
+    let mut bench = booted("tc1");
+    let name = [0x40, 0x08, 0x10, 0, 0, 0, 0, 0];
+    let segment = [0x60, 0, 0, 0, 0, 0, 0, 0];
+    assert_eq!(bench.sdo(NODE, name)[0], 0x41);
+    assert_eq!(bench.sdo(NODE, segment)[..2], [0x00, b'T']);
+    assert_eq!(bench.read(NODE, 0x1017, 0), 0);
+    assert_eq!(aborted(bench.sdo(NODE, segment)), 0x0504_0001);
+    // Begun anew it begins at the first letter.
+    assert_eq!(bench.sdo(NODE, name)[0], 0x41);
+    assert_eq!(bench.sdo(NODE, segment)[..2], [0x00, b'T']);
+    assert_eq!(aborted(bench.sdo(NODE, segment)), 0x0503_0000);
+    assert_eq!(aborted(bench.sdo(NODE, segment)), 0x0504_0001);
+}
+
+mod each {
+    promises! {
+        takes_a_number_in_a_segment: lmd nanotec s200 tc1;
+    }
+}
