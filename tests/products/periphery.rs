@@ -1,10 +1,10 @@
 //! What the manuals promise of inputs, outputs, brake, currents, supply and temperature.
 
-use canopen::Frame;
+use canopen::{Duration, Frame};
 use sim::plant::{Index, Switch, Track};
 
 use crate::bench::Bench;
-use crate::steer::{NODE, number, on, position};
+use crate::steer::{NODE, begin, number, on, position};
 
 /// Bits of 60FDh.
 fn inputs(bench: &mut Bench) -> u32 {
@@ -348,6 +348,38 @@ fn the_nanotec_reads_its_analogue_input() {
     }
     assert_eq!(bench.read(NODE, 0x2003, 1), 250, "tenths of a degree");
     assert_eq!(bench.read(NODE, 0x2003, 2), 240, "tenths of a volt");
+}
+
+/// A home switch that bounces for 10 ms is one edge if 2008h is longer, and more without; another input that bounces meanwhile changes
+/// nothing of that. The wires themselves show in bits 16 and up.
+#[test]
+fn the_nanotec_debounces_its_home_switch() {
+    for (time, bounces) in [(20_u8, false), (0, true)] {
+        let bouncing = |edge| Some(Switch::from(edge).bouncing(Duration::from_ticks(10_000)));
+        let mut bench = on(
+            "nanotec",
+            Track {
+                probes: [bouncing(505), bouncing(500)],
+                ..Track::default()
+            },
+        );
+        bench.write(NODE, 0x2008, 0, &[time]);
+        bench.write(NODE, 0x6060, 0, &[1]);
+        bench.enable(NODE);
+        begin(&mut bench, 1_000, 1_000, 10_000);
+        let (mut edges, mut before) = ([0, 0], [0, 0]);
+        for _ in 0..1_500 {
+            bench.run(1);
+            let word = bench.drive.object(0x60FD, 0).unwrap();
+            let now = [word[0] >> 2 & 1, word[2] >> 5 & 1];
+            for (count, (now, before)) in edges.iter_mut().zip(now.iter().zip(before)) {
+                *count += u32::from(*now != before);
+            }
+            before = now;
+        }
+        assert_eq!(before, [1, 1]);
+        assert_eq!(edges.map(|count| count > 1), [bounces, true], "{edges:?}");
+    }
 }
 
 /// 1010h stores nothing while the motor has power, and tells so.

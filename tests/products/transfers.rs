@@ -1,6 +1,6 @@
 //! What the manuals promise of SDO transfers of more than one frame.
 
-use crate::promises::booted;
+use crate::promises::{booted, refusal};
 use crate::steer::{NODE, number};
 
 /// The code of an abort, whatever object it names.
@@ -63,6 +63,16 @@ fn the_tc1_has_one_transfer_at_a_time() {
     assert_eq!(bench.sdo(NODE, segment)[..2], [0x00, b'T']);
     assert_eq!(aborted(bench.sdo(NODE, segment)), 0x0503_0000);
     assert_eq!(aborted(bench.sdo(NODE, segment)), 0x0504_0001);
+}
+
+/// The first channel of the S200 tells how many there are: a master finds the last one, whatever the firmware has.
+#[test]
+fn the_s200_tells_how_far_its_channels_reach() {
+    let mut bench = booted("s200");
+    let last = 0x3500 + bench.read(NODE, 0x3500, 1) as u16;
+    assert_eq!(last, 0x3CCF);
+    assert_eq!(refusal(&mut bench, last, 0), None);
+    assert_eq!(refusal(&mut bench, last + 1, 0), Some(0x0602_0000));
 }
 
 mod each {
