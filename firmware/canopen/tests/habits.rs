@@ -1,6 +1,7 @@
 //! What a device does in the way of its maker, and the same device as the standards say.
 
 use crate::device::Objects;
+use crate::device::ram_store::RamStore;
 use canopen::cia301::emergency::Emergency;
 use canopen::cia301::nmt::Reset;
 use canopen::cia301::sdo::AbortCode;
@@ -48,6 +49,7 @@ impl<const HAS_HABITS: bool> Dictionary for Device<HAS_HABITS> {
             settings_are_objects: true,
             lss_100_kbit: true,
             receives_at_nth_sync: true,
+            stored_identifiers_stay: true,
             event_timer_in_100_us: true,
             tells_its_state: true,
             tells_of_the_rest: true,
@@ -69,12 +71,16 @@ impl<const HAS_HABITS: bool> Dictionary for Device<HAS_HABITS> {
 
 const NOW: Instant = Instant::from_ticks(1_000_000);
 
+fn settings(node_id: u8) -> Settings {
+    Settings {
+        node_id: NodeId::new(node_id).unwrap(),
+        ..Settings::default()
+    }
+}
+
 /// Node 4 in Pre-operational, with a store.
 fn node<const HAS_HABITS: bool>() -> Node<Device<HAS_HABITS>> {
-    let settings = Settings {
-        node_id: NodeId::new(4).unwrap(),
-        ..Settings::default()
-    };
+    let settings = settings(4);
     let mut node = Node::new(Device(Objects::new()), settings);
     node.boot(Reset::Node, NOW, &mut ());
     assert!(node.transmit(&mut ()).is_some(), "the boot-up message");
@@ -357,6 +363,32 @@ fn a_receive_pdo_of_type_3_counts_at_the_third_sync_or_at_the_next() {
     }
     assert_eq!(applied::<false>(), [1, 2, 3, 4]);
     assert_eq!(applied::<true>(), [0, 0, 3, 3]);
+}
+
+#[test]
+fn a_stored_identifier_follows_the_node_id_or_stays() {
+    /// 1400h:1 of a device that was node 4 when it stored it, and is node 9.
+    fn identifier<const HAS_HABITS: bool>() -> Vec<u8> {
+        let mut store = RamStore::default();
+        let mut node = node::<HAS_HABITS>().with_parameter_store();
+        let save = [0x23, 0x10, 0x10, 1, b's', b'a', b'v', b'e'];
+        assert_eq!(
+            answer(&mut node, &save),
+            None,
+            "it is answered when it is done"
+        );
+        while node.is_storing() {
+            node.store_parameters(&mut store, NOW);
+        }
+        let device = Device::<HAS_HABITS>(Objects::new());
+        let mut node = Node::new(device, settings(9)).with_parameter_store();
+        node.boot(Reset::Node, NOW, &mut ());
+        node.load_parameters(&mut store, NOW, &mut ());
+        let entry = canopen::od::find::<Device<HAS_HABITS>>(0x1400, 1).unwrap();
+        canopen::od::value(node.dictionary(), entry).to_vec()
+    }
+    assert_eq!(identifier::<false>(), [0x09, 0x02, 0, 0]);
+    assert_eq!(identifier::<true>(), [0x04, 0x02, 0, 0]);
 }
 
 #[test]

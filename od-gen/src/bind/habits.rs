@@ -53,7 +53,7 @@ const fn known(owner: Owner, name: &'static str, kind: Kind) -> Known {
 }
 
 /// Every habit.
-pub static KNOWN: [Known; 34] = [
+pub static KNOWN: [Known; 35] = [
     known(Owner::Node, "node_id", Kind::NodeId),
     known(Owner::Node, "bit_rate", Kind::BitRate),
     known(Owner::Node, "node_id_at_once", Kind::Flag),
@@ -65,6 +65,7 @@ pub static KNOWN: [Known; 34] = [
     known(Owner::Node, "mapped_length_of_0", Kind::Flag),
     known(Owner::Node, "lss_100_kbit", Kind::Flag),
     known(Owner::Node, "receives_at_nth_sync", Kind::Flag),
+    known(Owner::Node, "stored_identifiers_stay", Kind::Flag),
     known(Owner::Node, "event_timer_in_100_us", Kind::Flag),
     known(Owner::Node, "tells_its_state", Kind::Flag),
     known(Owner::Node, "no_remote_requests", Kind::Flag),

@@ -59,6 +59,9 @@ pub struct Habits {
     pub lss_100_kbit: bool,
     /// A frame of a receive PDO of type N, 2 to 240, counts at the Nth SYNC from then on; else at the next one, as CiA 301 has it.
     pub receives_at_nth_sync: bool,
+    /// A stored identifier stays as it is under another node-ID, until defaults are restored; else it follows the node-ID where it
+    /// is the data sheet's.
+    pub stored_identifiers_stay: bool,
     /// The event timer of a transmit PDO counts in 100 µs, as its inhibit time does; else in milliseconds, as CiA 301 has it.
     pub event_timer_in_100_us: bool,
     /// Without a heartbeat, an NMT command that changes the state is answered with the new one, as a heartbeat has it.
@@ -86,6 +89,7 @@ impl Habits {
         settings_are_objects: false,
         lss_100_kbit: false,
         receives_at_nth_sync: false,
+        stored_identifiers_stay: false,
         event_timer_in_100_us: false,
         tells_its_state: false,
         tells_of_the_rest: false,

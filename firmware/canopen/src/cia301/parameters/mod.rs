@@ -14,8 +14,8 @@
 //!   must write it (a PDO is switched off, mapped, switched on). Loading writes it just so: every rule of every object holds,
 //!   and a firmware with another dictionary takes what still fits. What does not fit is told by one emergency message.
 //! - A PDO is loaded whole or not at all.
-//! - A value that is the data sheet's with the node-ID in it (`$NODEID`) is stored as such, and follows a new node-ID; any other is
-//!   stored as it is.
+//! - A value that is the data sheet's with the node-ID in it (`$NODEID`) is stored as such, and follows a new node-ID, unless the
+//!   device has another habit ([`Habits`](crate::od::Habits)); any other is stored as it is.
 //! - Several sets that are stored together count together or not at all: that is for the [`ParameterStore`] to keep.
 //! - A parameter that a master changes sets 1020h to 0, and so does a restore. Process data change no configuration.
 //!

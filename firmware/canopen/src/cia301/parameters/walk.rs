@@ -88,11 +88,9 @@ impl Walk {
                 return length;
             };
             let value = od::value(dictionary, entry);
-            let value = if od::is_node_id_default(dictionary, entry, node_id) {
-                &[]
-            } else {
-                value
-            };
+            let follows = !D::HABITS.stored_identifiers_stay
+                && od::is_node_id_default(dictionary, entry, node_id);
+            let value = if follows { &[] } else { value };
             let size = value.len().saturating_add(HEADER);
             let Some(record) = chunk.get_mut(length..length.saturating_add(size)) else {
                 if size <= CHUNK {
