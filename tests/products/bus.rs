@@ -4,8 +4,9 @@ use canopen::Frame;
 use embedded_can::ExtendedId;
 
 use crate::bench::Bench;
+use crate::pdos::with_type;
 use crate::promises::{
-    booted, count, emergencies, nmt, operational, refusal, segments, with_type, write_byte,
+    booted, count, emergencies, nmt, operational, refusal, segments, write_byte,
 };
 use crate::steer::NODE;
 

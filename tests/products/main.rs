@@ -19,6 +19,7 @@ mod homing;
 mod motion;
 mod moves;
 mod objects;
+mod pdos;
 mod periphery;
 mod promises;
 mod refusals;
