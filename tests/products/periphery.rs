@@ -57,6 +57,9 @@ fn stops_at_its_limit_switches(name: &str) {
         bench.run(200);
         assert_eq!(position(&mut bench), stood, "{name}");
         assert_eq!(inputs(&mut bench) & 0b111, 1 << bit, "{name}");
+        if name == "lmd" {
+            assert_eq!(bench.read(NODE, 0x2020, 1), 1 << bit, "limit reached");
+        }
     }
 }
 
