@@ -115,7 +115,7 @@ pub struct Node<D: Dictionary> {
 
 impl<D: Dictionary> Node<D> {
     /// A device that has just been powered, still silent: call [`Node::boot`] with [`Reset::Node`].
-    #[inline(never)]
+    // Not out of line: it is to be made where it stays, and not on the stack first.
     pub fn new(dictionary: D, settings: Settings) -> Self {
         let () = <D::Counts as Counts>::ARE_ENOUGH_SENDERS;
         Self {
