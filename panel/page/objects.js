@@ -17,14 +17,18 @@ let differences = null;
 
 async function load(id) {
   if (!id || !known.connected) return;
+  if (node !== id) {
+    values.clear();
+    changed.clear();
+    differences = null;
+  }
+  // From here on orders are for this node, and no row of another one can be written.
+  node = id;
+  entries = [];
+  if (parts) list();
   try {
     const dictionary = await order("dictionary", { node: id });
-    if (node !== id) {
-      values.clear();
-      changed.clear();
-      differences = null;
-    }
-    node = id;
+    if (node !== id) return;
     entries = dictionary.entries;
     if (parts) {
       show(parts.source, `${entries.length} entries of ${dictionary.title}`);

@@ -253,6 +253,7 @@ def test_two_drives_of_different_make_are_shown_side_by_side(start, panel, toget
         expect(window.locator("#source")).to_contain_text(re.compile(f"[0-9]+ entries of .*{re.escape(sheet)}"))
     # One that vanishes is told, and what was read of it before is not shown as if it were now.
     window.evaluate("location.hash = '#objects/5'")
+    expect(window.locator("#source")).to_contain_text("lmd.eds")
     window.fill("#search", "1017h:00")
     window.click(".object >> text=Change")
     window.fill(".editor input", "100")
