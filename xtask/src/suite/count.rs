@@ -1,16 +1,18 @@
-//! How many tests passed and failed, as the test runners say it.
+//! How many tests passed and failed, and which failed, as the test runners say it.
 
 use std::fmt;
 use std::ops::AddAssign;
 use std::process::ExitStatus;
 
 /// Tests that ran. Those that were left out by their runner are in neither number.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Count {
     /// Tests that passed.
     pub passed: u32,
     /// Tests that failed, errors in their set-up included.
     pub failed: u32,
+    /// Their names, as far as the runner says them: a runner that could not be built says none.
+    pub names: Vec<String>,
 }
 
 impl Count {
@@ -20,27 +22,33 @@ impl Count {
         Self {
             passed: number(passed),
             failed: number(failed),
+            names: Vec::new(),
         }
     }
 
     /// A check that is one test: it passes with the exit code 0.
     pub fn check(status: ExitStatus) -> Self {
         if status.success() {
-            Self {
-                passed: 1,
-                failed: 0,
-            }
+            Self::of(1, 0)
         } else {
-            Self {
-                passed: 0,
-                failed: 1,
-            }
+            Self::of(0, 1)
         }
     }
 
-    /// Takes the summary out of a line of a runner's output, if it is one.
+    /// Takes the summary out of a line of a runner's output, or the name of a test that failed, if it is one.
     pub fn watch(&mut self, line: &str) {
         *self += libtest(line).or_else(|| pytest(line)).unwrap_or_default();
+        if let Some(name) = failed(line) {
+            self.names.push(name.to_owned());
+        }
+    }
+
+    /// What is left when the tests that failed were played again, with this count.
+    pub fn after(self, again: Self) -> Self {
+        Self {
+            passed: self.passed + self.failed.saturating_sub(again.failed),
+            ..again
+        }
     }
 
     /// Holds the count against the runner's exit status: a runner that failed has at least one failure, be it that
@@ -57,6 +65,7 @@ impl AddAssign for Count {
     fn add_assign(&mut self, other: Self) {
         self.passed += other.passed;
         self.failed += other.failed;
+        self.names.extend(other.names);
     }
 }
 
@@ -82,6 +91,19 @@ fn pytest(line: &str) -> Option<Count> {
     let (parts, time) = words.rsplit_once(" in ")?;
     time.starts_with(|c: char| c.is_ascii_digit())
         .then(|| sum(parts.split(',')))
+}
+
+/// `test plan::tests::a_case ... FAILED` of cargo test, `FAILED tests/test_case.py::test_it[id] - why` of pytest.
+fn failed(line: &str) -> Option<&str> {
+    let libtest = || line.strip_prefix("test ")?.strip_suffix(" ... FAILED");
+    let pytest = || {
+        let rest = line
+            .strip_prefix("FAILED ")
+            .or_else(|| line.strip_prefix("ERROR "))?;
+        let name = rest.split(" - ").next()?;
+        name.contains("::").then_some(name)
+    };
+    libtest().or_else(pytest)
 }
 
 fn sum<'a>(parts: impl Iterator<Item = &'a str>) -> Count {
@@ -139,46 +161,40 @@ mod tests {
     }
 
     #[test]
+    fn the_names_of_tests_that_failed_are_kept() {
+        let mut count = Count::default();
+        for line in [
+            "test plan::tests::a_case ... ok",
+            "test plan::tests::another ... FAILED",
+            "FAILED tests/python/test_sdo.py::test_it[firmware-a b] - assert 1 == 2 - no",
+            "ERROR tests/python/test_sdo.py::test_set_up",
+            "ERROR: no bus",
+        ] {
+            count.watch(line);
+        }
+        assert_eq!(
+            count.names,
+            [
+                "plan::tests::another",
+                "tests/python/test_sdo.py::test_it[firmware-a b]",
+                "tests/python/test_sdo.py::test_set_up",
+            ]
+        );
+    }
+
+    #[test]
+    fn what_fails_again_has_failed() {
+        let first = Count::of(70, 3);
+        assert_eq!(first.clone().after(Count::of(3, 0)), Count::of(73, 0));
+        assert_eq!(first.clone().after(Count::of(2, 1)), Count::of(72, 1));
+        assert_eq!(first.after(Count::of(0, 3)), Count::of(70, 3));
+    }
+
+    #[test]
     fn a_runner_that_failed_or_ran_nothing_has_a_failure() {
-        assert_eq!(
-            Count {
-                passed: 3,
-                failed: 0
-            }
-            .close(true),
-            Count {
-                passed: 3,
-                failed: 0
-            }
-        );
-        assert_eq!(
-            Count {
-                passed: 3,
-                failed: 0
-            }
-            .close(false),
-            Count {
-                passed: 3,
-                failed: 1
-            }
-        );
-        assert_eq!(
-            Count {
-                passed: 3,
-                failed: 2
-            }
-            .close(false),
-            Count {
-                passed: 3,
-                failed: 2
-            }
-        );
-        assert_eq!(
-            Count::default().close(true),
-            Count {
-                passed: 0,
-                failed: 1
-            }
-        );
+        assert_eq!(Count::of(3, 0).close(true), Count::of(3, 0));
+        assert_eq!(Count::of(3, 0).close(false), Count::of(3, 1));
+        assert_eq!(Count::of(3, 2).close(false), Count::of(3, 2));
+        assert_eq!(Count::default().close(true), Count::of(0, 1));
     }
 }

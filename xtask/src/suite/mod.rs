@@ -1,7 +1,8 @@
 //! `cargo xtask test`: everything that can be tested without a board.
 //!
 //! What is missing is installed first, so that nothing is refused after minutes of work. The tests of running devices go on beside what cargo does. Every step
-//! shows its output as it comes, theirs with its name before each line. The end is a summary by step, and `N passed, N failed` alone on the last line.
+//! shows its output as it comes, theirs with its name before each line. The end is a summary by step with the names of what failed, and `N passed, N failed` alone on
+//! the last line.
 
 mod count;
 pub mod programs;
@@ -71,15 +72,22 @@ fn conclude(outcomes: &[Outcome]) -> Result<ExitCode> {
     for Outcome {
         step,
         count,
+        again,
         skipped,
         time,
     } in outcomes
     {
-        sum += *count;
+        sum += count.clone();
         let name = step.to_string();
         match skipped {
             Some(why) => say!("{name:<10} skipped: {why}")?,
             None => say!("{name:<10} {count}, {:.0} s", time.as_secs_f32())?,
+        }
+        for test in again.iter().filter(|test| !count.names.contains(test)) {
+            say!("           only when the PC did nothing else: {test}")?;
+        }
+        for test in &count.names {
+            say!("           FAILED: {test}")?;
         }
     }
     say!("\n{} passed, {} failed", sum.passed, sum.failed)?;

@@ -2,6 +2,9 @@
 //!
 //! Cargo's part goes step by step, on all processors; the tests of running devices wait most of their time, two steps at once. First everything is built that the second
 //! part needs, so that both begin early. Cargo makes way: a device that runs in real time is not to be late.
+//!
+//! A busy PC may still be late for it. So the device tests that failed are played once more at the end, when the PC does nothing else; what fails then has failed, and
+//! the summary names what needed the second time.
 
 use std::sync::mpsc::{self, Receiver};
 use std::sync::{Mutex, PoisonError};
@@ -14,6 +17,9 @@ use super::count::Count;
 use super::steps::{self, Played, Ready, Run, Step};
 use crate::words::say;
 
+/// More failures than this are no matter of time.
+const FEW: usize = 10;
+
 /// What became of a step.
 #[derive(Debug)]
 pub struct Outcome {
@@ -21,6 +27,8 @@ pub struct Outcome {
     pub step: Step,
     /// Its tests.
     pub count: Count,
+    /// What failed beside everything else, and was played again.
+    pub again: Vec<String>,
     /// Why the step did not run.
     pub skipped: Option<String>,
     /// How long it took, its builds included.
@@ -53,8 +61,10 @@ pub fn run(steps: &[Step], ready: &Ready) -> Result<Vec<Outcome>> {
         (built, players.map(|player| player.join()))
     });
     let mut outcomes = built?;
-    for played in played {
-        outcomes.extend(played.map_err(|_| anyhow!("a step has panicked"))??);
+    for player in played {
+        for (played, outcome) in player.map_err(|_| anyhow!("a step has panicked"))?? {
+            outcomes.push(play_again(played, outcome, ready)?);
+        }
     }
     outcomes.sort_by_key(|outcome| Step::ALL.iter().position(|step| *step == outcome.step));
     Ok(outcomes)
@@ -78,6 +88,7 @@ fn build_all(steps: &[Step], ready: &Ready, players: &mpsc::Sender<Built>) -> Re
             Run::Done(count) => outcomes.push(Outcome {
                 step,
                 count,
+                again: Vec::new(),
                 skipped: None,
                 time: started.elapsed(),
             }),
@@ -86,6 +97,7 @@ fn build_all(steps: &[Step], ready: &Ready, players: &mpsc::Sender<Built>) -> Re
                 outcomes.push(Outcome {
                     step,
                     count: Count::default(),
+                    again: Vec::new(),
                     skipped: Some(why),
                     time: started.elapsed(),
                 });
@@ -99,8 +111,23 @@ fn build_all(steps: &[Step], ready: &Ready, players: &mpsc::Sender<Built>) -> Re
     Ok(outcomes)
 }
 
+/// Plays the tests that failed once more, if they are few.
+fn play_again(mut played: Played, mut outcome: Outcome, ready: &Ready) -> Result<Outcome> {
+    let names = &outcome.count.names;
+    if names.len() == outcome.count.failed as usize && (1..=FEW).contains(&names.len()) {
+        let started = Instant::now();
+        let names = names.clone();
+        say!("\n=== {}: again what failed ===", outcome.step)?;
+        played.choose(&names);
+        outcome.count = outcome.count.after(played.play(ready)?);
+        outcome.again = names;
+        outcome.time += started.elapsed();
+    }
+    Ok(outcome)
+}
+
 /// Plays one step after the other until there are no more.
-fn play_all(queue: &Mutex<Receiver<Built>>, ready: &Ready) -> Result<Vec<Outcome>> {
+fn play_all(queue: &Mutex<Receiver<Built>>, ready: &Ready) -> Result<Vec<(Played, Outcome)>> {
     let mut outcomes = Vec::new();
     loop {
         let next = queue.lock().unwrap_or_else(PoisonError::into_inner).recv();
@@ -109,11 +136,13 @@ fn play_all(queue: &Mutex<Receiver<Built>>, ready: &Ready) -> Result<Vec<Outcome
         };
         let started = Instant::now();
         let count = played.play(ready)?;
-        outcomes.push(Outcome {
+        let outcome = Outcome {
             step: played.step(),
             count,
+            again: Vec::new(),
             skipped: None,
             time: build + started.elapsed(),
-        });
+        };
+        outcomes.push((played, outcome));
     }
 }

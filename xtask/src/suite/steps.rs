@@ -184,6 +184,23 @@ impl Played {
         self.step
     }
 
+    /// Plays these tests from now on, one after the other, and no longer a whole folder.
+    pub fn choose(&mut self, tests: &[String]) {
+        let mut command = Command::new(self.command.get_program());
+        let arguments = self.command.get_args();
+        command
+            .args(arguments.filter(|word| FOLDERS.iter().all(|folder| word != folder)))
+            .args(["--numprocesses", "0"])
+            .args(tests);
+        for (name, value) in self.command.get_envs() {
+            if let Some(value) = value {
+                command.env(name, value);
+            }
+        }
+        command.current_dir(place::root());
+        self.command = command;
+    }
+
     /// Plays it; before each line of its output stands its name.
     ///
     /// # Errors
@@ -275,7 +292,7 @@ pub fn run(step: Step, ready: &Ready) -> Result<Run> {
             return played(step, [programs::build_command()], command);
         }
         Step::Board => {
-            let mut command = pytest(&ready.python, "tests/machine");
+            let mut command = pytest(&ready.python, FOLDERS[1]);
             command.arg("--image").arg(Image::Board.path());
             command.arg("--plant").arg(place::kept("stepped_axis"));
             let builds = [Image::Board.build_command()?, programs::build_command()];
@@ -393,6 +410,9 @@ fn tests(command: &mut Command) -> Result<Count> {
 /// Each of these tests starts devices of its own on buses of their own, so two run at once. Those on SocketCAN share the only bus.
 const AT_ONCE: [&str; 2] = ["--numprocesses", "2"];
 
+/// Where the Python tests are: those against any device, and those on the model of the board.
+const FOLDERS: [&str; 2] = ["tests/python", "tests/machine"];
+
 /// The Python tests in one folder.
 fn pytest(python: &Path, folder: &str) -> Command {
     let mut command = Command::new(python);
@@ -406,7 +426,7 @@ fn pytest(python: &Path, folder: &str) -> Command {
 
 /// The Python tests that are for several targets, against one of them.
 fn against(python: &Path, target: &str) -> Command {
-    let mut command = pytest(python, "tests/python");
+    let mut command = pytest(python, FOLDERS[0]);
     command.args(["--target", target]);
     command
         .arg("--sim")
