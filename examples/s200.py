@@ -57,6 +57,8 @@ def main():
     # 7.10: homing on the spot.
     drive.sdo[0x6060].raw = 6
     drive.sdo[0x6098].raw = 35
+    # A mode is taken at rest, and a start before that is lost.
+    until(drive, 0xFF, 6, index=0x6061)
     drive.sdo[0x6040].raw = 0x1F
     until(drive, 0x1000, 0x1000)
     print(f"homed, at {drive.sdo[0x6064].raw}")

@@ -14,6 +14,7 @@ from playwright.sync_api import expect
 
 from conftest import EDS, NODE_ID, ROOT
 from panel_window import (  # noqa: F401
+    ATTEMPTS,
     FAINT,
     PAGES,
     PATIENCE,
@@ -29,9 +30,6 @@ from panel_window import (  # noqa: F401
 )
 
 pytestmark = pytest.mark.only("virtual")
-
-#: A busy PC may let a jog end before it has begun.
-ATTEMPTS = 8
 
 #: What a window sends, and when the button comes up: in their order, with the end of the task in which the window hears of it.
 ORDER = """
