@@ -4,32 +4,33 @@
 
 use std::sync::LazyLock;
 
-use fuzz::stored::{Small, Stored, filled, hold};
+use fuzz::stored::{Filled, hold};
 use libfuzzer_sys::fuzz_target;
 
 /// Flash after no save, one, and so on.
-static FILLED: LazyLock<Vec<(Small, Stored)>> = LazyLock::new(|| (0..16).map(filled).collect());
+static FILLED: LazyLock<Vec<Filled>> = LazyLock::new(|| (0..16).map(Filled::new).collect());
 
-fuzz_target!(|bytes: &[u8]| {
-    let [saves, sub, rest @ ..] = bytes else {
+fuzz_target!(|input: &[u8]| {
+    let [saves, sub, rest @ ..] = input else {
         return;
     };
-    let (mut flash, before) = FILLED[usize::from(saves % 16)].clone();
+    let before = &FILLED[usize::from(saves % 16)];
+    let mut bytes = before.flash.bytes.clone();
     let sub = sub % 5;
     if let [anything, rest @ ..] = rest
         && *anything == 0xFF
     {
-        for (cell, byte) in flash.bytes.iter_mut().zip(rest) {
+        for (cell, byte) in bytes.iter_mut().zip(rest) {
             *cell = *byte;
         }
-        hold(&flash.bytes, None, sub, 97);
+        hold(&bytes, None, sub, 97);
         return;
     }
     // A place and what is written there.
     let (changes, _) = rest.as_chunks::<3>();
     for [low, high, byte] in changes {
-        let at = usize::from(u16::from_le_bytes([*low, *high])) % flash.bytes.len();
-        flash.bytes[at] = *byte;
+        let at = usize::from(u16::from_le_bytes([*low, *high])) % bytes.len();
+        bytes[at] = *byte;
     }
-    hold(&flash.bytes, Some(&before), sub, 97);
+    hold(&bytes, Some(before), sub, 97);
 });

@@ -4,7 +4,8 @@
 //! everything that is stored; when a bank is full, or somebody has written into it, what still counts moves to the other bank
 //! and the first is erased. Each record carries a checksum over its header and its place, and one over its bytes. So a power
 //! cut at any byte leaves the old values or the new ones, never a mixture, and bytes that were changed anywhere cost at most
-//! the values that they belong to: what is lost is told until it is stored again.
+//! the values that they belong to: what is lost is told until it is stored again. Only where the end of the newest record was
+//! erased nothing can tell it from one that a power cut has left: the old values count, all of them.
 //!
 //! Two kinds of things are kept. The settings of the layer setting services and the serial number stand in the directory itself
 //! ([`Store::load`], [`Store::save`]). The parameters of objects 1010h and 1011h (CiA 301) are sets of chunks

@@ -8,6 +8,7 @@ use canopen::node::StoreError;
 use canopen::{BitRate, BitTiming, Configuration, NodeId};
 
 use super::flash::Flash;
+use crate::Store;
 
 /// The chunks of every set, in the order of [`ParameterSet::ALL`].
 pub type Contents = [Vec<Vec<u8>>; ParameterSet::COUNT];
@@ -102,35 +103,68 @@ fn settings(node_id: u8) -> Configuration {
     }
 }
 
-/// Flash in which so many saves were made, and what they have left.
-pub fn filled(saves: u8) -> (Small, Stored) {
-    let mut store = Small::new(2).store();
-    if saves > 0 {
-        store.save_serial_number(0xCAFE_0402).unwrap();
-    }
-    for seed in 0..saves {
-        let sub = if seed == 0 { 1 } else { seed % 4 + 1 };
-        let sets = ParameterSets::of_sub_index(sub).unwrap();
-        save(&mut store, sets, &contents(seed, 1, 8)).unwrap();
-        if seed % 3 == 0 {
-            store.save(&settings(seed)).unwrap();
-        }
-    }
-    let flash = store.release();
-    let stored = Stored::found(&flash.bytes);
-    (flash, stored)
+/// Flash in which saves were made.
+#[derive(Clone, Debug)]
+pub struct Filled {
+    /// The flash after the last of them.
+    pub flash: Small,
+    /// What it held when it was empty, and after each of them.
+    pub states: Vec<Stored>,
 }
 
-/// Holds the store on these bytes to its promise, of which somebody remembers `before`: what is found is that, or told as lost; the next
-/// save is taken and found, whatever it saves; and if the power goes at one of its bytes (every one of them divided by `step`),
-/// there is what there was or what was saved.
+impl Filled {
+    /// After so many saves of parameters, and those of settings and serial number between them.
+    pub fn new(saves: u8) -> Self {
+        let flash = Small::new(2);
+        let states = vec![Stored::found(&flash.bytes)];
+        let mut filled = Self { flash, states };
+        if saves > 0 {
+            filled.add(|store| store.save_serial_number(0xCAFE_0402).unwrap());
+        }
+        for seed in 0..saves {
+            let sub = if seed == 0 { 1 } else { seed % 4 + 1 };
+            let sets = ParameterSets::of_sub_index(sub).unwrap();
+            filled.add(|store| save(store, sets, &contents(seed, 1, 8)).unwrap());
+            if seed % 3 == 0 {
+                filled.add(|store| store.save(&settings(seed)).unwrap());
+            }
+        }
+        filled
+    }
+
+    fn add(&mut self, operation: impl FnOnce(&mut Store<Small>)) {
+        let mut store = self.flash.clone().store();
+        operation(&mut store);
+        self.flash = store.release();
+        self.states.push(Stored::found(&self.flash.bytes));
+    }
+
+    /// What it held after the last save.
+    pub fn last(&self) -> &Stored {
+        &self.states[self.states.len() - 1]
+    }
+
+    /// Whether this may be found once its bytes have become these: what was there, or told as lost. Where bytes were erased the
+    /// newest record may be one that a power cut has left, and what was there before it counts.
+    fn leaves(&self, bytes: &[u8], found: &Stored) -> bool {
+        let is_erased =
+            (self.flash.bytes.iter().zip(bytes)).any(|(then, now)| *then != 0xFF && *now == 0xFF);
+        let count = if is_erased { self.states.len() } else { 1 };
+        (self.states.iter().rev().take(count)).any(|state| found.is_left_of(state))
+    }
+}
+
+/// Holds the store on these bytes to its promise, where it was filled `before` they were changed: what is found is what was there, or told
+/// as lost; the next save is taken and found, whatever it saves; and if the power goes at one of its bytes (every one of them divided by
+/// `step`), there is what there was or what was saved.
 ///
 /// # Panics
 /// If it does not keep it.
-pub fn hold(bytes: &[u8], before: Option<&Stored>, sub: u8, step: usize) {
+pub fn hold(bytes: &[u8], before: Option<&Filled>, sub: u8, step: usize) {
     let found = Stored::found(bytes);
     if let Some(before) = before {
-        assert!(found.is_left_of(before), "{found:?} where {before:?} was");
+        let was = before.last();
+        assert!(before.leaves(bytes, &found), "{found:?} where {was:?} was");
     }
     let flash = Small::new(0).holding(bytes);
     let new = contents(0x40, 1, 9);
