@@ -58,6 +58,13 @@ pub enum Failure {
         /// After how much nobody waits any longer.
         limit: String,
     },
+    /// Whatever was going on has taken as long as it may ([`Master::set_time_limit`]).
+    ///
+    /// [`Master::set_time_limit`]: crate::Master::set_time_limit
+    TimeIsUp {
+        /// How long it might.
+        limit: Duration,
+    },
     /// The bus itself cannot be used any more.
     LineDown(LineDown),
 }
@@ -95,6 +102,9 @@ impl fmt::Display for Failure {
             Self::WrongValue { expected, got } => write!(f, "expected {expected}, got {got}"),
             Self::Endless { what, limit } => {
                 write!(f, "{what} does not end: stopped after {limit}")
+            }
+            Self::TimeIsUp { limit } => {
+                write!(f, "no end after {} s: stopped", limit.to_millis() / 1_000)
             }
             Self::LineDown(down) => write!(f, "{down}"),
         }

@@ -78,6 +78,8 @@ pub struct Master<L = Simulated> {
     answer_time: Duration,
     scan_time: Duration,
     longest_upload: usize,
+    /// When nothing is waited for any more, and how long it is from the beginning.
+    end: Option<(Instant, Duration)>,
     /// Of the nodes that are not asked on the default channel.
     sdo_channels: BTreeMap<u8, SdoChannel>,
 }
@@ -90,6 +92,7 @@ impl<L: Line> Master<L> {
             answer_time: ANSWER_TIME,
             scan_time: SCAN_TIME,
             longest_upload: LONGEST_UPLOAD,
+            end: None,
             sdo_channels: BTreeMap::new(),
         }
     }
@@ -128,6 +131,12 @@ impl<L: Line> Master<L> {
     /// The longest object that is read, in bytes.
     pub fn set_longest_upload(&mut self, bytes: usize) {
         self.longest_upload = bytes;
+    }
+
+    /// From now on no more than this time passes before a wait ends with [`Failure::TimeIsUp`], once: what is put right afterwards has its
+    /// time. So whatever devices send, a script comes to its end.
+    pub fn set_time_limit(&mut self, limit: Duration) {
+        self.end = Some((self.now() + limit, limit));
     }
 
     /// How long a fastscan waits at each bit.
@@ -174,13 +183,16 @@ impl<L: Line> Master<L> {
     /// leaves the inbox, the others stay. `expected` is for the failure's text.
     ///
     /// # Errors
-    /// [`Failure::Timeout`] if none came `within` the time.
+    /// [`Failure::Timeout`] if none came `within` the time, [`Failure::TimeIsUp`] if there is none left at all.
     pub fn wait_for<T>(
         &mut self,
         expected: &str,
         within: Duration,
         mut pick: impl FnMut(&Frame) -> Option<T>,
     ) -> Result<T, Failure> {
+        if let Some((_, limit)) = self.end.take_if(|(end, _)| self.line.now() >= *end) {
+            return Err(Failure::TimeIsUp { limit });
+        }
         let end = self.now() + within;
         let mut seen = 0;
         loop {

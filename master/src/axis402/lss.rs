@@ -8,8 +8,12 @@ use crate::{Failure, Identity, Line, Master};
 /// How often a fastscan is tried: on a busy bus an answer may be late, and the scan is misled.
 const ATTEMPTS: u32 = 4;
 
-/// Devices of one bus that can have a node-ID.
-const MOST: u32 = 127;
+/// How often a command begins a fastscan anew in all. With [`MOST`] devices it so is over in five and a half minutes of scans, whatever
+/// they answer; each that is numbered takes [`STORE_TIME`] and [`BOOT_TIME`] at most beside its scan.
+const REPETITIONS: u32 = 24;
+
+/// Devices that are looked for: one more than can have a node-ID.
+const MOST: usize = 128;
 
 /// How long a device may take to boot.
 const BOOT_TIME: Duration = Duration::from_ticks(3_000_000);
@@ -47,24 +51,15 @@ pub fn find<L: Line>(master: &mut Master<L>, console: &mut Console<'_>) -> Resul
     // A device that somebody has left in configuration state is not heard in a scan.
     master.lss_switch_to_waiting();
     waiting_afterwards(master, |master| {
-        let mut count = 0;
-        let mut last = None;
+        let mut search = Search::default();
         // A device that was found is in configuration state and takes no part in the next scan.
-        while let Some(identity) = next(master, count + 1, console)? {
-            count += 1;
-            if last.replace(identity) == Some(identity) || count > MOST {
-                return Err(Failure::Endless {
-                    what: format!("the search, with {identity} again,"),
-                    limit: format!("{count} devices"),
-                }
-                .into());
-            }
-            console.say(&format!("{count}: {identity}"))?;
+        while let Some(identity) = search.next(master, console)? {
+            console.say(&format!("{}: {identity}", search.found.len()))?;
         }
-        console.say(&match count {
+        console.say(&match search.found.len() {
             0 => "no device without a node-ID".to_owned(),
             1 => "1 device without a node-ID".to_owned(),
-            _ => format!("{count} devices without a node-ID"),
+            count => format!("{count} devices without a node-ID"),
         })
     })
 }
@@ -83,8 +78,8 @@ pub fn number<L: Line>(
     let used = scan::used(master, console)?;
     let mut free = (numbering.first..=127).filter(|id| !used.contains(id));
     waiting_afterwards(master, |master| {
-        let mut count = 0;
-        while let Some(identity) = next(master, count + 1, console)? {
+        let mut search = Search::default();
+        while let Some(identity) = search.next(master, console)? {
             let node_id = (free.next()).and_then(NodeId::new).ok_or_else(|| {
                 Problem::Failed(format!("no node-ID is left for the device with {identity}"))
             })?;
@@ -94,13 +89,12 @@ pub fn number<L: Line>(
             }
             master.lss_switch_to_waiting();
             expect_boot_up(master, node_id)?;
-            count += 1;
             console.say(&format!("node {}: {identity}", node_id.get()))?;
         }
-        console.say(&match count {
+        console.say(&match search.found.len() {
             0 => "no device without a node-ID".to_owned(),
             1 => "1 device has a node-ID now".to_owned(),
-            _ => format!("{count} devices have a node-ID now"),
+            count => format!("{count} devices have a node-ID now"),
         })
     })
 }
@@ -193,26 +187,60 @@ pub(super) fn waiting_afterwards<L: Line, T>(
     Ok(result)
 }
 
-/// The next device that has no node-ID, in configuration state.
-fn next<L: Line>(
-    master: &mut Master<L>,
-    number: u32,
-    console: &mut Console<'_>,
-) -> Result<Option<Identity>, Problem> {
-    let usual = master.scan_time();
-    let mut result = Ok(None);
-    for attempt in 0..ATTEMPTS {
-        master.take_received();
-        master.set_scan_time(usual * 2u32.pow(attempt));
-        let what = format!("looking for device {number}");
-        result = master.lss_fastscan_watched(|done, of| console.progress(&what, done, of));
-        if !matches!(result, Err(Failure::WrongValue { .. })) {
-            break;
+/// A search for devices without a node-ID, one after the other.
+#[derive(Debug, Default)]
+struct Search {
+    found: Vec<Identity>,
+    repetitions: u32,
+}
+
+impl Search {
+    /// The next of them, in configuration state.
+    fn next<L: Line>(
+        &mut self,
+        master: &mut Master<L>,
+        console: &mut Console<'_>,
+    ) -> Result<Option<Identity>, Problem> {
+        let usual = master.scan_time();
+        let scanned = self.scan(master, console);
+        master.set_scan_time(usual);
+        let Some(identity) = scanned? else {
+            return Ok(None);
+        };
+        let is_again = self.found.contains(&identity);
+        self.found.push(identity);
+        if is_again || self.found.len() > MOST {
+            return Err(Failure::Endless {
+                what: format!("the search, with {identity} again,"),
+                limit: format!("{} devices", self.found.len()),
+            }
+            .into());
         }
-        console.remark("the answers make no sense, once more and slower");
+        Ok(Some(identity))
     }
-    master.set_scan_time(usual);
-    Ok(result?)
+
+    /// A fastscan, once more and slower where the answers make no sense.
+    fn scan<L: Line>(
+        &mut self,
+        master: &mut Master<L>,
+        console: &mut Console<'_>,
+    ) -> Result<Option<Identity>, Failure> {
+        let usual = master.scan_time();
+        let what = format!("looking for device {}", self.found.len() + 1);
+        let mut attempt = 1;
+        loop {
+            master.take_received();
+            let result = master.lss_fastscan_watched(|done, of| console.progress(&what, done, of));
+            let is_misled = matches!(result, Err(Failure::WrongValue { .. }));
+            if !is_misled || attempt == ATTEMPTS || self.repetitions == REPETITIONS {
+                return result;
+            }
+            master.set_scan_time(usual * 2u32.pow(attempt));
+            attempt += 1;
+            self.repetitions += 1;
+            console.remark("the answers make no sense, once more and slower");
+        }
+    }
 }
 
 fn store<L: Line>(master: &mut Master<L>, console: &mut Console<'_>) -> Result<(), Problem> {

@@ -132,7 +132,7 @@ impl Node {
     ) -> Result<T, Failure> {
         if matches!(
             result,
-            Err(Failure::Timeout { .. } | Failure::Unexpected { .. })
+            Err(Failure::Timeout { .. } | Failure::Unexpected { .. } | Failure::TimeIsUp { .. })
         ) {
             master.abort_sdo(self.id, address.index, address.sub, TIMED_OUT);
         }

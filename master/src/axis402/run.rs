@@ -25,6 +25,9 @@ use crate::data_sheet::DataSheet;
 use crate::system_error::plain;
 use crate::{Line, Master, Real};
 
+/// How long a command may take, whatever devices send. Four megabytes in segments take twenty minutes at 125 kbit/s.
+const LONGEST: Duration = Duration::from_ticks(3_600_000_000);
+
 /// Runs the command line; returns the exit code.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     files::outlive_limit();
@@ -45,6 +48,10 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let is_terminal = progress.is_terminal();
     let mut console = Console::new(&mut output, &mut progress, is_terminal);
     let result = go_on_bus(&command_line.bus).and_then(|mut master| {
+        // To watch has no end of its own.
+        if !matches!(command_line.command, Command::Monitor { .. }) {
+            master.set_time_limit(LONGEST);
+        }
         let result = perform(&mut master, &command_line, &mut console);
         explain(result, master.line_mut())
     });

@@ -170,7 +170,7 @@ fn describe<L: Line>(master: &mut Master<L>, id: u8, found: &Found) -> Result<St
 fn told<T>(answer: Result<T, Failure>) -> Result<Option<T>, Problem> {
     match answer {
         Ok(value) => Ok(Some(value)),
-        Err(failure @ Failure::LineDown(_)) => Err(failure.into()),
+        Err(failure @ (Failure::LineDown(_) | Failure::TimeIsUp { .. })) => Err(failure.into()),
         Err(_) => Ok(None),
     }
 }

@@ -4,23 +4,26 @@ use std::collections::VecDeque;
 
 use canopen::time::NEVER;
 use canopen::{Duration, Frame, Instant};
-use master::axis402::{Group, find, save};
+use master::axis402::{Group, Numbering, dump, find, number, save, scan};
 use master::bus::Station;
 use master::{Failure, LONGEST_UPLOAD};
 
 use crate::bench::{Bench, refusal};
 
+/// What a device answers to a frame.
+type Answer = dyn FnMut(&Frame) -> Vec<Frame>;
+
 /// A device of node-ID 4 that answers each frame to it, as a function says.
 struct Liar {
-    answer: fn(&Frame) -> Vec<Frame>,
+    answer: Box<Answer>,
     answers: VecDeque<Frame>,
     aborts: usize,
 }
 
 impl Liar {
-    fn new(answer: fn(&Frame) -> Vec<Frame>) -> Self {
+    fn new(answer: impl FnMut(&Frame) -> Vec<Frame> + 'static) -> Self {
         Self {
-            answer,
+            answer: Box::new(answer),
             answers: VecDeque::new(),
             aborts: 0,
         }
@@ -158,6 +161,81 @@ fn a_device_that_is_found_for_ever_is_found_twice() {
         "{told}"
     );
     assert_eq!(code, 1);
+}
+
+fn yes() -> Vec<Frame> {
+    vec![Frame::data_frame(0x7E4, &[0x4F, 0, 0, 0, 0, 0, 0, 0])]
+}
+
+/// Found by the fuzz target `master`: three scans end in nonsense, the fourth finds somebody new, and so on: 42 minutes for 127 devices.
+#[test]
+fn scans_that_are_misled_again_and_again_come_to_an_end() {
+    let mut bench = Bench::new();
+    let mut scan = 0;
+    bench.attach(Liar::new(move |frame| match frame.payload() {
+        [0x51, _, _, _, _, 0x80, ..] => {
+            scan += 1;
+            yes()
+        }
+        // The serial number is all but right in three of four scans.
+        [0x51, _, _, _, _, 0, 3, 0] if scan % 4 != 0 => Vec::new(),
+        [0x51, number @ .., bit, sub, _] => {
+            let word = u32::from_le_bytes(number.try_into().unwrap());
+            let own = if *sub == 3 { scan / 4 } else { 0 };
+            if (own ^ word) >> bit == 0 {
+                yes()
+            } else {
+                Vec::new()
+            }
+        }
+        _ => Vec::new(),
+    }));
+    let (told, code) = refusal(bench.run(find));
+    assert!(told.contains("expected a slave with"), "{told}");
+    assert_eq!(code, 1);
+    assert!(bench.output.lines().count() > 7, "{}", bench.output);
+    let spent = bench.master.now().ticks();
+    assert!(spent < 330_000_000, "{spent} µs");
+}
+
+#[test]
+fn a_device_that_is_numbered_and_found_again_ends_the_numbering() {
+    let mut bench = Bench::new();
+    bench.attach(Liar::new(|frame| match frame.payload() {
+        [0x51, ..] => yes(),
+        [service @ (0x11 | 0x17), number, ..] => {
+            let answer = Frame::data_frame(0x7E4, &[*service, 0, 0, 0, 0, 0, 0, 0]);
+            let boot_up = Frame::data_frame(0x700 + u16::from(*number), &[0]);
+            vec![answer, boot_up]
+        }
+        _ => Vec::new(),
+    }));
+    let all = Numbering {
+        first: 1,
+        store: false,
+    };
+    let (told, _) = refusal(bench.run(|master, console| number(master, all, console)));
+    assert!(told.contains("stopped after 2 devices"), "{told}");
+}
+
+#[test]
+fn whatever_a_device_sends_a_command_ends_when_its_time_is_up() {
+    let mut bench = Bench::new();
+    let limit = Duration::from_ticks(20_000_000);
+    // Every object has four megabytes.
+    bench.attach(Liar::new(|frame| segments(frame, 0)));
+    let node = master::axis402::Node {
+        id: 4,
+        sheet: master::data_sheet::DataSheet::standard(),
+    };
+    bench.master.set_time_limit(limit);
+    let (told, code) = refusal(bench.run(|master, console| dump(master, &node, true, console)));
+    assert_eq!((told.as_str(), code), ("no end after 20 s: stopped", 1));
+    let aborted = bench.master.now();
+    bench.master.run_for(Duration::from_ticks(10_000));
+    bench.master.set_time_limit(limit);
+    assert_eq!(refusal(bench.run(scan)).0, "no end after 20 s: stopped");
+    assert!(bench.master.now() - aborted < limit + limit);
 }
 
 #[test]
