@@ -9,6 +9,7 @@
 //! - [`trace`]: frames in candump notation, with their meaning.
 //! - [`mod@axis402`]: a master's command line for real buses.
 //! - [`scope`]: what a drive has recorded of itself.
+//! - [`tuning`]: what a drive has measured of its motor, and how its loops answer.
 //! - [`chart`], [`command_line`], [`system_error`]: what this command line and that of the virtual drive have in common.
 //!
 //! Nothing here knows a drive but by its data sheet.
@@ -32,6 +33,7 @@ pub mod scope;
 mod sdo;
 pub mod system_error;
 pub mod trace;
+pub mod tuning;
 
 use std::collections::BTreeMap;
 

@@ -7,9 +7,10 @@ import * as drive from "./drive.js";
 import * as objects from "./objects.js";
 import * as pdos from "./pdos.js";
 import * as scope from "./scope.js";
+import * as tuning from "./tuning.js";
 import * as log from "./log.js";
 
-const pages = { bus, drive, scope, objects, pdos, log };
+const pages = { bus, drive, scope, tuning, objects, pdos, log };
 const place = document.getElementById("page");
 const banner = document.getElementById("banner");
 const status = document.getElementById("status");
@@ -88,6 +89,7 @@ function update() {
     parts.push(state.bus.title);
     parts.push(load === null ? `${state.bus.rate} frames/s` : `${load} % load`);
     if (state.busy) parts.push(state.busy);
+    if (state.tuning) parts.push(state.tuning.words);
   }
   show(status, known.connected ? parts.join(" · ") : "not connected");
   mark(document.body, "data-offline", !known.connected);

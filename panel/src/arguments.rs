@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::Parser;
 use master::axis402::Bus;
+use sim::cli::axis;
+use sim::plant::ServoAxisData;
 
 /// See a CANopen drive and move it, in the browser.
 #[derive(Debug, Parser)]
@@ -17,6 +19,9 @@ pub struct Arguments {
     /// What the virtual drive moves, in place of a belt (docs/plant.md)
     #[arg(long, value_name = "FILE.toml", requires = "is_virtual")]
     pub plant: Option<PathBuf>,
+    /// The virtual drive has a motor that is moved by its current, on a ready axis (docs/servo.md)
+    #[arg(long, value_name = "NAME", requires = "is_virtual", conflicts_with = "plant", value_parser = axis())]
+    pub axis: Option<ServoAxisData>,
     /// Where the browser finds it. Beyond this computer a token is asked for, which is told at the start
     #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8402")]
     pub listen: String,

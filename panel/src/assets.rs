@@ -37,6 +37,7 @@ assets!(
     "homing.js" "text/javascript; charset=utf-8",
     "pdos.js" "text/javascript; charset=utf-8",
     "scope.js" "text/javascript; charset=utf-8",
+    "tuning.js" "text/javascript; charset=utf-8",
     "ring.js" "text/javascript; charset=utf-8",
     "log.js" "text/javascript; charset=utf-8",
     // Of others, as it was published.

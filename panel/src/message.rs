@@ -6,6 +6,7 @@
 mod pdos;
 mod scope;
 mod state;
+mod tuning;
 
 use serde::{Deserialize, Serialize};
 
@@ -15,6 +16,7 @@ pub use scope::{LiveChannel, LiveValues, Recordable, Recorded, Recorder, Wish};
 pub use state::{
     BusState, Drive, Guard, Homing, LegalTransition, Mode, NodeState, SetPoint, State, Word,
 };
+pub use tuning::{Response, Step, Tuned, TunedParameter, TuningProgress, TuningWish};
 
 /// What a window wants, with a number of its own that the reply carries.
 #[derive(Clone, Debug, Deserialize)]
@@ -162,6 +164,12 @@ pub enum Order {
     StopRecorder,
     /// The last recording.
     Recording,
+    /// Let the drive measure its motor; it moves.
+    Tune(TuningWish),
+    /// Write what it has measured.
+    WriteTuning,
+    /// What is known of its motor and its loops.
+    Tuned,
     /// 6098h, 6099h, 609Ah.
     SetHoming {
         /// The method.
@@ -260,6 +268,7 @@ impl Order {
                 | Self::Channels
                 | Self::Recordable
                 | Self::Recording
+                | Self::Tuned
         )
     }
 }
@@ -383,6 +392,8 @@ pub enum Answer {
     Recordable(Vec<Recordable>),
     /// A recording.
     Recording(Box<Recorded>),
+    /// What is known of a motor and its loops.
+    Tuned(Box<Tuned>),
 }
 
 /// A value that is not as in a file.

@@ -54,7 +54,8 @@ fn show(arguments: Arguments) -> Result<(), Problem> {
     let (sheets, notice) = data_sheets(&arguments)?;
 
     let drive = if arguments.is_virtual {
-        let drive = VirtualDrive::start(arguments.plant.as_deref()).map_err(Problem::Usage)?;
+        let drive = VirtualDrive::start(arguments.plant.as_deref(), arguments.axis.as_ref());
+        let drive = drive.map_err(Problem::Usage)?;
         greeting += &format!("virtual drive, SLCAN on {}\n", drive.address());
         Some(drive)
     } else {

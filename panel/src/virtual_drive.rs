@@ -7,9 +7,9 @@ use std::thread::{self, JoinHandle};
 
 use master::bus::live::{Incoming, LiveBus};
 use master::system_error::plain;
-use sim::Axis402;
 use sim::drive::Setup;
-use sim::plant::Axis;
+use sim::plant::{Axis, ServoAxisData};
+use sim::products;
 use sim::serve::Server;
 
 /// What it moves, where nothing else is said.
@@ -31,10 +31,11 @@ impl VirtualDrive {
     ///
     /// # Errors
     /// What is wrong with the file of its axis, or that there is no port for it.
-    pub fn start(plant: Option<&Path>) -> Result<Self, String> {
-        let axis = match plant {
-            Some(file) => Axis::read(file)?,
-            None => Axis::from_toml(BELT).map_err(|(_, why)| why)?,
+    pub fn start(plant: Option<&Path>, servo: Option<&ServoAxisData>) -> Result<Self, String> {
+        let axis = match (plant, servo) {
+            (Some(file), _) => Axis::read(file)?,
+            (None, Some(servo)) => Axis::servo(servo),
+            (None, None) => Axis::from_toml(BELT).map_err(|(_, why)| why)?,
         };
         let mut bus = LiveBus::new();
         let port = bus.serve_slcan("127.0.0.1:0").map_err(plain)?;
@@ -45,7 +46,7 @@ impl VirtualDrive {
             ..Setup::unconfigured(SERIAL_NUMBER)
         };
         let server = thread::spawn(move || {
-            let drive = Box::new(Axis402::new(setup));
+            let drive = products::drive(None, setup);
             Server::new(bus, drive, false).run()
         });
         Ok(Self {

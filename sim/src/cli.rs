@@ -52,7 +52,7 @@ struct DemoArguments {
     #[arg(long, value_name = "FILE.svg")]
     plot: Option<PathBuf>,
     /// Instead, see a drive with a motor and move it yourself, in the browser
-    #[arg(long, conflicts_with_all = ["plot", "node_id"])]
+    #[arg(long, conflicts_with_all = ["plot", "node_id", "product"])]
     panel: bool,
     /// The node-ID that the master gives to the drive
     #[arg(long, value_name = "N", default_value_t = demo::NODE_ID, value_parser = clap::value_parser!(u8).range(1..=127))]
@@ -61,7 +61,7 @@ struct DemoArguments {
     #[arg(long, value_name = "NAME", value_parser = product())]
     product: Option<Product>,
     /// The drive on a ready axis whose motor is moved by its current
-    #[arg(long, value_name = "NAME", value_parser = axis(), conflicts_with_all = ["product", "panel"])]
+    #[arg(long, value_name = "NAME", value_parser = axis(), conflicts_with = "product")]
     axis: Option<ServoAxisData>,
 }
 
@@ -159,7 +159,11 @@ fn is_without_bus(error: &clap::Error) -> bool {
 
 fn run_demo(arguments: DemoArguments) -> ExitCode {
     if arguments.panel {
-        return panel(PROGRAM, ["--virtual".into()]);
+        let axis = arguments
+            .axis
+            .map(|axis| ["--axis".into(), axis.name.into()]);
+        let arguments = ["--virtual".into()].into_iter();
+        return panel(PROGRAM, arguments.chain(axis.into_iter().flatten()));
     }
     let demo = Demo {
         node_id: arguments.node_id,
@@ -280,8 +284,8 @@ fn product() -> impl TypedValueParser<Value = Product> {
     })
 }
 
-/// Ready axes by their names.
-fn axis() -> impl TypedValueParser<Value = ServoAxisData> {
+/// Ready axes by their names, each with the machine behind its motor.
+pub fn axis() -> impl TypedValueParser<Value = ServoAxisData> {
     PossibleValuesParser::new(AXES.map(|axis| axis.name)).try_map(|name| {
         let axis = ServoAxisData::named(&name).map(ServoAxisData::at_work);
         axis.ok_or("there is no such axis")

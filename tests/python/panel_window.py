@@ -139,6 +139,7 @@ PAGES = [
     ("bus", "Bus"),
     ("drive", "Axis402 CiA 402 drive · node 4"),
     ("scope", "Scope"),
+    ("tuning", "Tuning"),
     ("objects", "Objects"),
     ("pdos", "PDOs"),
     ("log", "Log"),
@@ -164,6 +165,8 @@ def show_page(window, page, title):
         expect(window.locator("#frames tr").first).to_be_visible()
     if page == "pdos":
         expect(window.locator("tr[data-pdo]")).to_have_count(8)
+    if page == "tuning":
+        expect(window.locator("#cannot-tune")).to_contain_text("This drive has nothing to tune")
 
 
 #: Words that are hard to read: whose contrast with what is behind them is below 4.5 (WCAG 2, AA). What is switched off may be faint.

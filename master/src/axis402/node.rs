@@ -25,8 +25,8 @@ pub struct Node {
 }
 
 impl Node {
-    /// A node with a data sheet; without one it is asked who it is. The generic drive is known by its vendor-ID and product code, of
-    /// every other device only what the standards say.
+    /// A node with a data sheet; without one it is asked who it is. The generic drive, with a stepper or a servo, is known by its
+    /// vendor-ID and product code, of every other device only what the standards say.
     ///
     /// # Errors
     /// [`Problem::Failed`] if it does not answer.
@@ -38,7 +38,6 @@ impl Node {
         if let Some(sheet) = sheet {
             return Ok(Self { id, sheet });
         }
-        let own = DataSheet::axis402();
         let stranger = Self {
             id,
             sheet: DataSheet::standard(),
@@ -53,10 +52,9 @@ impl Node {
             }
         }
         let [vendor_id, product_code] = words;
-        Ok(if own.is_of(vendor_id, product_code) {
-            Self { id, sheet: own }
-        } else {
-            stranger
+        Ok(match DataSheet::built_in(vendor_id, product_code) {
+            Some(sheet) => Self { id, sheet },
+            None => stranger,
         })
     }
 

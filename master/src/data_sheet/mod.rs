@@ -19,15 +19,29 @@ pub struct DataSheet {
     model: Model,
 }
 
-/// The data sheet of the generic drive.
-const AXIS402: (&str, &str) = ("axis402.eds", include_str!("../../../eds/axis402.eds"));
-
 impl DataSheet {
-    /// The generic drive's own.
+    /// That of the generic drive.
     pub fn axis402() -> Arc<Self> {
-        static SHEET: LazyLock<Arc<DataSheet>> =
-            LazyLock::new(|| Arc::new(DataSheet::parse(AXIS402.0, AXIS402.1)));
+        static SHEET: LazyLock<Arc<DataSheet>> = LazyLock::new(|| {
+            let text = include_str!("../../../eds/axis402.eds");
+            Arc::new(DataSheet::parse("axis402.eds", text))
+        });
         Arc::clone(&SHEET)
+    }
+
+    /// That of the generic drive with a servo, made of `eds/servo.toml` by the build.
+    pub fn servo() -> Arc<Self> {
+        static SHEET: LazyLock<Arc<DataSheet>> = LazyLock::new(|| {
+            let text = include_str!(concat!(env!("OUT_DIR"), "/servo.eds"));
+            Arc::new(DataSheet::parse("servo.eds", text))
+        });
+        Arc::clone(&SHEET)
+    }
+
+    /// That of a device with this vendor-ID and product code, if it is one that needs no file.
+    pub fn built_in(vendor_id: u32, product_code: u32) -> Option<Arc<Self>> {
+        let mut all = [Self::axis402(), Self::servo()].into_iter();
+        all.find(|sheet| sheet.is_of(vendor_id, product_code))
     }
 
     /// Of any drive: communication objects (1000h to 1FFFh) and those of drives (6000h to 9FFFh), as far as the generic drive

@@ -55,6 +55,7 @@ fn json(text: &str) -> serde_json::Value {
 fn a_motor_is_measured_and_nothing_is_written() {
     let (mut bench, _) = on_axis("servo_100w");
     let node = bench.meet(4);
+    assert_eq!(node.sheet.title(), "servo.eds", "it needs no file");
     let before = kept(&mut bench);
     let folder = tempfile::tempdir().unwrap();
     let (plot, step) = (

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::scope::Recorder;
+use super::tuning::TuningProgress;
 use crate::fsa::{DriveState, Transition};
 use crate::homing::Method;
 
@@ -23,6 +24,10 @@ pub struct State {
     pub recorder: Option<Recorder>,
     /// How many recordings there have been.
     pub recordings: u64,
+    /// How far a measurement of the motor is, while there is one.
+    pub tuning: Option<TuningProgress>,
+    /// How often what is known of the motor has changed.
+    pub tunings: u64,
 }
 
 /// The bus.
@@ -106,6 +111,8 @@ pub struct Drive {
     pub set_point: Option<SetPoint>,
     /// Whether it records what it does (20D0h).
     pub has_recorder: bool,
+    /// Whether it measures its motor (20C0h).
+    pub can_tune: bool,
     /// 60F4h.
     pub following_error: Option<i64>,
     /// 603Fh in words, where it is not 0.

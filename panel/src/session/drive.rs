@@ -3,10 +3,11 @@
 use canopen::Duration;
 use master::axis402::{Description, Node, Problem};
 use master::data_sheet::Address;
-use master::{Line, NmtCommand};
+use master::{Line, NmtCommand, tuning};
 
 use super::poll::{Chosen, SetPointOf, modes, unit};
 use super::scope::has_recorder;
+use super::tuning::Known;
 use super::{Session, nodes};
 use crate::fsa::{DriveState, Transition};
 use crate::message::{Answer, Drive};
@@ -21,7 +22,7 @@ const ACCEPT_TIME: Duration = Duration::from_ticks(1_000_000);
 const PAUSE: Duration = Duration::from_ticks(3_000);
 
 /// How long the answer to a stop may take, and how often it is tried. Then the node is stopped by NMT.
-const STOP_TIME: Duration = Duration::from_ticks(100_000);
+pub(super) const STOP_TIME: Duration = Duration::from_ticks(100_000);
 const STOP_ATTEMPTS: u32 = 3;
 
 /// Bits of the controlword.
@@ -74,6 +75,7 @@ impl<L: Line> Session<L> {
             modes: modes(supported),
             units: [position, velocity, acceleration],
             has_recorder: has_recorder(&node.sheet),
+            can_tune: tuning::is_possible(&node.sheet),
             answers: true,
             ..Drive::default()
         };
@@ -84,6 +86,7 @@ impl<L: Line> Session<L> {
         let now = self.master.now();
         self.chosen = Some(Chosen::new(node, drive, now));
         self.live = None;
+        self.known = Known::default();
         if self.state.notice.as_deref() == Some(NOTHING_STOPPED) {
             self.state.notice = None;
         }
@@ -330,7 +333,7 @@ impl<L: Line> Session<L> {
     }
 
     /// Before the drive gets power, or moves: it watches the panel, and is operational.
-    fn prepare(&mut self) -> Result<(), Problem> {
+    pub(super) fn prepare(&mut self) -> Result<(), Problem> {
         // It may just have started anew.
         self.follow_traffic();
         self.ensure_guard()?;

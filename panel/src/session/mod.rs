@@ -14,6 +14,7 @@ mod poll;
 mod scope;
 #[cfg(test)]
 mod tests;
+mod tuning;
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -133,6 +134,9 @@ pub struct Session<L> {
     recording: Option<scope::Recording>,
     recorded: Option<Recorded>,
     live: Option<scope::Live>,
+    known: tuning::Known,
+    /// A person has stopped the drive, or no window is open any more, since a measurement began.
+    is_ended: bool,
     emptied: u64,
     next_picture: Instant,
     next_batch: Instant,
@@ -173,6 +177,8 @@ impl<L: Line> Session<L> {
             recording: None,
             recorded: None,
             live: None,
+            known: tuning::Known::default(),
+            is_ended: false,
             emptied: 0,
         }
     }
@@ -224,6 +230,7 @@ impl<L: Line> Session<L> {
     fn attend(&mut self) {
         let urgent = self.master.line_mut().take_urgent();
         if urgent.stop {
+            self.is_ended = true;
             self.stop();
         } else if urgent.release {
             self.end_jog();
@@ -231,6 +238,7 @@ impl<L: Line> Session<L> {
         // Another window may be open again.
         let emptied = self.desk.emptied();
         if std::mem::replace(&mut self.emptied, emptied) != emptied {
+            self.is_ended = true;
             self.leave_drive();
         }
     }
@@ -241,6 +249,8 @@ impl<L: Line> Session<L> {
             Outcome::Error("the panel was started with --read-only: nothing is written".to_owned())
         } else if !may_write && !ticket.order.is_for_watchers() {
             Outcome::Error("another window has control: take it first".to_owned())
+        } else if self.state.tuning.is_some() && !ticket.order.is_for_watchers() {
+            Outcome::Error("the motor is being measured: stop it first".to_owned())
         } else {
             match self.perform(&ticket.order, ticket.releases) {
                 Ok(answer) => Outcome::Done(answer),
@@ -280,6 +290,9 @@ impl<L: Line> Session<L> {
             Order::Record(wish) => self.record(wish),
             Order::StopRecorder => self.stop_recorder(),
             Order::Recording => self.last_recording(),
+            Order::Tune(wish) => self.tune(*wish),
+            Order::WriteTuning => self.write_tuning(),
+            Order::Tuned => self.tuned(),
             Order::SetHoming {
                 method,
                 fast,

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use canopen::{Duration, Instant};
 use master::axis402::{Node, Problem};
-use master::data_sheet::{Address, DataSheet};
+use master::data_sheet::Address;
 use master::trace::{controlword_in, error_words, statusword_in};
 use master::{Failure, Line};
 
@@ -96,7 +96,7 @@ const IN_TURN: [Watched; 15] = [
     }),
     // Of the generic drive; another maker's 2074h is something else, and is asked for by nobody.
     Watched {
-        is_own: true,
+        own: Some("Temperature"),
         ..Watched::new(0x2074, 1, |drive, value| {
             let (whole, tenth) = (value / 10, (value % 10).abs());
             drive.tell("Temperature", format!("{whole}.{tenth} °C"));
@@ -109,7 +109,7 @@ struct Watched {
     address: Address,
     put: fn(&mut Drive, i64),
     /// Only where the data sheet of the node names it so.
-    is_own: bool,
+    own: Option<&'static str>,
 }
 
 impl Watched {
@@ -117,7 +117,7 @@ impl Watched {
         Self {
             address: Address::new(index, sub),
             put,
-            is_own: false,
+            own: None,
         }
     }
 }
@@ -266,6 +266,7 @@ impl Chosen {
     /// It has another data sheet now: what was missing may be there.
     pub(super) fn learn(&mut self, node: Node) {
         self.drive.has_recorder = has_recorder(&node.sheet);
+        self.drive.can_tune = master::tuning::is_possible(&node.sheet);
         self.node = node;
         self.absent.clear();
     }
@@ -323,7 +324,9 @@ impl<L: Line> Session<L> {
         let Some(chosen) = &mut self.chosen else {
             return Ok(());
         };
-        let is_other = watched.is_own && chosen.node.sheet.title() != DataSheet::axis402().title();
+        let object = chosen.node.sheet.object(watched.address.index);
+        let name = object.map(|object| object.name.as_str());
+        let is_other = watched.own.is_some() && watched.own != name;
         if is_other || chosen.absent.contains(&watched.address) {
             return Ok(());
         }

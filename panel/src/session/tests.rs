@@ -5,10 +5,12 @@ mod modes;
 mod pages;
 mod safety;
 mod stored_sheet;
+mod tuning;
 
 use std::sync::mpsc::{SyncSender, channel, sync_channel};
 
 use canopen::{BitRate, Frame};
+use master::bus::Station;
 use master::bus::simulated::{Bus, Handle, Interference, Logged};
 use master::{NmtCommand, Simulated};
 use sim::Axis402;
@@ -33,9 +35,13 @@ struct Bench {
 
 impl Bench {
     fn with(drive: DriveSetup, read_only: bool) -> (Self, Handle<Axis402>) {
+        Self::with_station(Axis402::new(drive), read_only)
+    }
+
+    fn with_station<S: Station>(drive: S, read_only: bool) -> (Self, Handle<S>) {
         let mut master = Master::new(Bus::new(BitRate::Kbit1000));
         master.set_answer_time(milliseconds(1_000));
-        let drive = master.bus_mut().attach(Axis402::new(drive));
+        let drive = master.bus_mut().attach(drive);
         master.run_for(milliseconds(20));
         let desk = Arc::new(Desk::default());
         let (tickets, orders) = sync_channel(8);

@@ -14,11 +14,12 @@ use std::path::PathBuf;
 use canopen::BitRate;
 
 use crate::drive::MotionSample;
-use crate::plant::{ServoAxisData, servo_sheet};
+use crate::plant::ServoAxisData;
 use crate::products::Product;
 use master::Failure;
 use master::bus::simulated::{Bus, Logged};
 use master::command_line::cannot_write;
+use master::data_sheet::DataSheet;
 use master::trace::{Group, Interpreter, candump, condense};
 
 pub use product::{play as play_product, play_axis};
@@ -125,7 +126,7 @@ pub(crate) fn show_on(bus: Bus, demo: &Demo, output: &mut dyn Write) -> Result<(
                 axis.name
             )?;
             let story = play_axis(axis, demo.node_id)?;
-            (story, Interpreter::new(servo_sheet()))
+            (story, Interpreter::new(DataSheet::servo()))
         }
         (Some(product), _) => {
             let title = product.title();

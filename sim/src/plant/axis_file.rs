@@ -40,7 +40,7 @@ impl Axis {
     /// # Panics
     /// Never: its settings are objects of the drive.
     pub fn servo(data: &ServoAxisData) -> Self {
-        let sheet = servo_sheet();
+        let sheet = DataSheet::servo();
         let motor = data.motor();
         let counts = i64::from(motor.counts);
         let rated = f64::from(motor.rated_current) * 1e3;
@@ -100,16 +100,6 @@ impl Axis {
         file.into_axis()
             .map_err(|Mistake { offset, what }| (offset.and_then(line), what))
     }
-}
-
-/// The data sheet of the drive with a servo.
-///
-/// # Panics
-/// Never: the program is built of it.
-pub fn servo_sheet() -> std::sync::Arc<DataSheet> {
-    let text = include_str!(concat!(env!("OUT_DIR"), "/servo.eds"));
-    let model = od_gen::parse("servo.eds", text);
-    std::sync::Arc::new(model.expect("it has built the drive").into())
 }
 
 #[cfg(test)]

@@ -16,7 +16,7 @@ mod servo;
 mod supply;
 mod track;
 
-pub use axis_file::{Axis, servo_sheet};
+pub use axis_file::Axis;
 pub use contact::{Sensed, Switch};
 pub use motor::{Heat, Load, MotorData, SupplyChange, SupplyData};
 pub use pulses::{PulsePlayer, Pulses};

@@ -2,45 +2,13 @@
 
 use std::path::Path;
 
-use super::{Found, Point};
 use crate::axis402::{Console, Problem};
 use crate::chart::{self, BLUE, Chart, GREEN};
-
-/// 20C1h:2 in words.
-pub(super) fn reason(failure: u32, fault: u32) -> String {
-    let what = match failure {
-        1 => return format!("the power stage went off, error {fault:04X}h"),
-        2 => "no current flows, or the winding is none",
-        3 => "the encoder does not see that the rotor turns: is it held, is the encoder connected?",
-        4 => "the way of the encoder is no whole number of pole pairs: is its resolution right?",
-        5 => "the current does not move the rotor",
-        6 => "the rotor has gone further than it may",
-        7 => "somebody else has ended the measurement",
-        8 => "the drive cannot do that now",
-        other => return format!("the measurement failed with {other}"),
-    };
-    what.to_owned()
-}
+use crate::tuning::{Found, Motor, Point};
 
 pub(super) fn tell(node: u8, found: &Found, console: &mut Console<'_>) -> Result<(), Problem> {
-    let [velocity, integral, position] = found.gains;
-    for line in [
-        format!("resistance         {:.4} Ohm", found.resistance),
-        format!(
-            "inductance         {:.4} mH along the magnet, {:.4} mH across it",
-            found.inductance_along * 1e3,
-            found.inductance_across * 1e3
-        ),
-        format!("flux               {:.4} mVs", found.flux * 1e3),
-        format!("pole pairs         {}", found.pole_pairs),
-        format!(
-            "encoder            direction {:+}, {:.1} degrees electrical at 0",
-            found.direction, found.angle
-        ),
-        format!("inertia            {:.3} kg mm2", found.inertia * 1e6),
-        format!("friction           {:.2} mNm", found.friction * 1e3),
-        format!("gains              60F9h {velocity} and {integral} 1/s, 60FBh {position} 1/s"),
-    ] {
+    let lines = found.motor.iter().flat_map(lines);
+    for line in lines {
         console.say(&line)?;
     }
     if !found.response.is_empty() {
@@ -60,6 +28,27 @@ pub(super) fn tell(node: u8, found: &Found, console: &mut Console<'_>) -> Result
         false => format!("node {node}: nothing is written; --write does"),
     });
     Ok(())
+}
+
+fn lines(motor: &Motor) -> Vec<String> {
+    let [velocity, integral, position] = motor.gains;
+    vec![
+        format!("resistance         {:.4} Ohm", motor.resistance),
+        format!(
+            "inductance         {:.4} mH along the magnet, {:.4} mH across it",
+            motor.inductance_along * 1e3,
+            motor.inductance_across * 1e3
+        ),
+        format!("flux               {:.4} mVs", motor.flux * 1e3),
+        format!("pole pairs         {}", motor.pole_pairs),
+        format!(
+            "encoder            direction {:+}, {:.1} degrees electrical at 0",
+            motor.direction, motor.angle
+        ),
+        format!("inertia            {:.3} kg mm2", motor.inertia * 1e6),
+        format!("friction           {:.2} mNm", motor.friction * 1e3),
+        format!("gains              60F9h {velocity} and {integral} 1/s, 60FBh {position} 1/s"),
+    ]
 }
 
 fn decibels(point: &Point) -> f64 {

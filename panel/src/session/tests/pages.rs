@@ -1,6 +1,5 @@
 //! What the pages PDOs, Scope and Objects order: a table that is applied as a whole or not at all, recordings, live values, files.
 
-use master::bus::Station;
 use sim::products::{Drive, Product};
 
 use super::*;
