@@ -28,7 +28,7 @@ from drive import ENABLE, PROFILE_POSITION, Drive  # noqa: E402
 from judge import judge_pulses  # noqa: E402
 from master import Bench  # noqa: E402
 from stepped import VirtualTime  # noqa: E402
-from stm32f405 import HZ, MS, NEVER, US, Chip  # noqa: E402
+from stm32f405 import HZ, MS, US, Chip  # noqa: E402
 from stm32f405.bxcan import BOFF  # noqa: E402
 from stm32f405.image import Image  # noqa: E402
 from test_flash import SAVE  # noqa: E402
@@ -109,9 +109,7 @@ class DeafConverter(Fault):
     """The ADC does not end its conversion."""
 
     def begin(self, drive):
-        adc = drive.chip.adc
-        adc.done = NEVER
-        adc.next_event = lambda: NEVER
+        drive.chip.adc.next_event = lambda: NEVER
 
 
 class FailingStream(Fault):

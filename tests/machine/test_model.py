@@ -70,14 +70,13 @@ FORBIDDEN = [
     ("half a word in the controller of interrupts", 0xE000_E100, 2, 1, "2 bytes"),
     ("a priority of five bits", 0xE000_E400, 1, 0x18, "upper four bits"),
     ("a USART", 0x4000_4400, 4, 1, "not modelled"),
-    ("an SPI", 0x4001_3000, 4, 1, "not modelled"),
+    ("an SPI as a slave", 0x4001_3000, 4, 1 << 6, "another use than a master"),
     ("the clock of a USART", 0x4002_3840, 4, 1 << 17 | 1 << 25 | 2, "APB1ENR .* 0x20000 do"),
     ("a PLL before its crystal", 0x4002_3800, 4, 0x0101_0083, "before its crystal is ready"),
     ("a clock that is not ready", 0x4002_3808, 4, 2, "not ready"),
     ("an encoder without inputs", 0x4000_0400 + CCMR1, 4, 0x0202, "CCMR1"),
     ("a timer that counts downwards", 0x4000_0400 + CR1, 4, 0x11, "CR1 .* 0x10 do"),
     ("a reserved bit", 0x4000_0400 + CR1, 4, 0x401, "reserved bits 0x400"),
-    ("dead time", 0x4001_0044, 4, 0x10, "BDTR .* 0x10 do"),
     ("outputs of TIM1 that come back of themselves", 0x4001_0044, 4, 1 << 14, "BDTR .* 0x4000 do"),
     ("a byte in a peripheral that takes words", 0x4000_6400, 1, 1, "1 bytes"),
     ("a return from bus-off by itself", 0x4000_6400, 4, 0x1_0041, "MCR .* 0x40 do"),
@@ -86,8 +85,9 @@ FORBIDDEN = [
     ("a peripheral without its clock", 0x4000_0C00, 4, 1, "without the clock"),
     ("a watchdog's register without access", 0x4000_3008, 2, 100, "without access"),
     ("flash that is locked", 0x4002_3C10, 4, 1, "locked"),
-    ("an injected conversion", 0x4001_2008, 4, 1 << 22 | 1, "CR2 .* 0x400000 do"),
-    ("a scan of channels", 0x4001_2004, 4, 1 << 8, "not modelled"),
+    ("a conversion again and again", 0x4001_2008, 4, 2, "CR2 .* 0x2 do"),
+    ("injected conversions in parts", 0x4001_2004, 4, 1 << 12, "CR1 .* 0x1000 do"),
+    ("two converters in turn", 0x4001_2304, 4, 6, "CCR .* 0x6 do"),
     ("an interrupt by a pin that floats", 0x4001_3C00, 4, 1 << 4, "PA4, which floats"),
     ("a stream in memory that it cannot reach", 0x4002_6488, 4, 6 << 25 | 2 << 13 | 2 << 11 | 1 << 10 | 1 << 8 | 1 << 6 | 1, "cannot reach"),
 ]
@@ -97,7 +97,7 @@ FORBIDDEN = [
 def test_what_is_forbidden_or_not_modelled_is_told(chip, address, size, value, told):
     chip.store(RCC + 0x30, 4, chip.load(RCC + 0x30, 4) | 1 << 22 | 1)
     chip.store(RCC + 0x40, 4, 1 << 25 | 2)
-    chip.store(RCC + 0x44, 4, 1 << 14 | 1 << 8 | 1)
+    chip.store(RCC + 0x44, 4, 1 << 14 | 1 << 12 | 1 << 8 | 1)
     # The crystal as the source of the PLL.
     chip.store(RCC + 0x04, 4, 0x2740_5408)
     # The memory of the core alone.

@@ -5,7 +5,7 @@ from collections import namedtuple
 
 from unicorn.arm_const import UC_ARM_REG_LR, UC_ARM_REG_PC
 
-from .adc import Adc
+from .adc import Adcs
 from .bxcan import Can
 from .clock import NEVER
 from .core import Core
@@ -19,6 +19,7 @@ from .image import Image
 from .iwdg import Iwdg
 from .rcc import Pwr, Rcc
 from .registers import Breach
+from .spi import Spi
 from .system import Debug
 from .tim1 import Tim1
 from .tim2 import Tim2
@@ -74,7 +75,7 @@ class Chip:
         core.start()
 
     def connect_peripherals(self):
-        old = self.can
+        old, outer = self.can, (self.adc, self.tim1, self.spi) if self.can else None
         outside = {port: gpio.outside for port, gpio in getattr(self, "gpio", {}).items()}
         self.peripherals = []
         self.rcc = Rcc(self)
@@ -82,10 +83,15 @@ class Chip:
         for port, levels in outside.items():
             self.gpio[port].outside = levels
         self.flash, self.iwdg, self.pwr = Flash(self), Iwdg(self), Pwr(self)
-        self.exti, self.syscfg, self.adc, self.debug = Exti(self), Syscfg(self), Adc(self), Debug(self)
+        self.exti, self.syscfg, self.adc, self.debug = Exti(self), Syscfg(self), Adcs(self), Debug(self)
         self.dma2, self.tim1, self.tim2 = Dma2(self), Tim1(self), Tim2(self)
         self.tim3, self.tim5, self.can = Tim3(self), Tim5(self), Can(self)
+        self.spi = {number: Spi(self, number) for number in (1, 2, 3)}
         if old is not None:
+            adc, tim1, spi = outer
+            self.adc.levels, self.tim1.centre.on_change = adc.levels, tim1.centre.on_change
+            for number, master in spi.items():
+                self.spi[number].devices = master.devices
             self.can.on_frame, self.can.stats, self.can.bus_bit = old.on_frame, old.stats, old.bus_bit
             self.can.acknowledged, self.can.held = old.acknowledged, old.held
         blocks = {
@@ -93,18 +99,27 @@ class Chip:
             0x4001_3800: self.syscfg, 0x4001_2000: self.adc, 0x4002_6400: self.dma2, 0x4001_0000: self.tim1, 0x4000_0000: self.tim2,
             0x4000_0400: self.tim3, 0x4000_0C00: self.tim5, 0x4000_6400: self.can,
         }  # fmt: skip
+        blocks |= {0x4000_0000 + spi.address: spi for spi in self.spi.values()}
         blocks |= {0x4002_0000 + 0x400 * i: gpio for i, gpio in enumerate(self.gpio.values())}
         self.blocks = {address - 0x4000_0000 >> 10: peripheral for address, peripheral in blocks.items()}
         self.peripherals = list(blocks.values())
-        self.with_events = [self.iwdg, self.adc, self.tim3, self.tim5, self.tim1, self.can, self.rcc]
+        # The converters behind the timer, which starts them.
+        self.with_events = [self.iwdg, self.tim3, self.tim5, self.tim1, self.adc, self.can, self.rcc]
         self.with_lines = [self.exti, self.tim1, self.tim2, self.tim3, self.tim5, self.can]
+
+    def attend(self, peripheral):
+        """A peripheral that not every image has is looked at from now on."""
+        for those in (self.with_events, self.with_lines):
+            if peripheral not in those:
+                those.append(peripheral)
 
     def reset(self, why):
         """A reset of the chip; RAM keeps what it has."""
         self.resets.append(Reset(self.time, why, self.core.pc))
         self.parameters = bytes(self.engine.parameters)
-        for pin, level in (("PA2", None), ("PC2", None)):
-            self.pins.note(pin, level)
+        for port, gpio in self.gpio.items():
+            for pin in gpio.outputs():
+                self.pins.note(f"P{port}{pin}", None)
         self.begin()
 
     def cut_power_now(self):

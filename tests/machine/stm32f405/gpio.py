@@ -2,12 +2,14 @@
 
 import random
 
+from .pwm import OUTPUTS as BRIDGES
 from .registers import Peripheral, Register, read_only
+from .spi import OUTPUTS as WIRES
 
 INPUT, OUTPUT, ALTERNATE, ANALOG = range(4)
 
-#: Pins that a peripheral drives, with its alternate function: step, direction, CAN transmit.
-OUTPUTS = {("PB13", 1), ("PB14", 1), ("PB9", 9)}
+#: Pins that a peripheral drives, with its alternate function: TIM1's outputs, SPI, CAN transmit.
+OUTPUTS = {(pin, 1) for pin in BRIDGES} | WIRES | {("PB9", 9)}
 
 
 class Gpio(Peripheral):
@@ -44,6 +46,10 @@ class Gpio(Peripheral):
 
     def mode(self, pin):
         return self["MODER"] >> 2 * pin & 3
+
+    def outputs(self):
+        """The pins that the output register drives."""
+        return [pin for pin in range(16) if self.mode(pin) == OUTPUT]
 
     def function(self, pin):
         """The alternate function that has the pin, or None."""
@@ -126,10 +132,14 @@ class Pins:
     def __init__(self, chip):
         self.chip = chip
         self.log = []
+        #: Who is told of the levels of an output, by pin.
+        self.watchers = {}
 
     def note(self, pin, level):
         """An output has a new level, or the pin is none any more (None)."""
         self.log.append((self.chip.now(), pin, level))
+        if pin in self.watchers:
+            self.watchers[pin](level)
 
     def floats(self, pin, what):
         """Something looks at a pin: it is told where that has no level."""

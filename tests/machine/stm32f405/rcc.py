@@ -9,8 +9,8 @@ CSSF, CSSC = 1 << 7, 1 << 23
 #: After a reset some of the prescaler bits of PLLCFGR are set.
 PLLCFGR_RESET = 0x2400_3010
 
-#: The bits of what is modelled: ports and DMA2; TIM2, TIM3, TIM5, CAN1, PWR; TIM1, ADC1, SYSCFG.
-AHB1, APB1, APB2 = 0x0040_01FF, 1 << 28 | 1 << 25 | 0b1011, 1 << 14 | 1 << 8 | 1
+#: The bits of what is modelled: ports and DMA2; TIM2, TIM3, TIM5, SPI2, SPI3, CAN1, PWR; TIM1, ADC1 to ADC3, SPI1, SYSCFG.
+AHB1, APB1, APB2 = 0x0040_01FF, 1 << 28 | 1 << 25 | 3 << 14 | 0b1011, 1 << 14 | 1 << 12 | 7 << 8 | 1
 
 
 class Rcc(Peripheral):
@@ -23,7 +23,7 @@ class Rcc(Peripheral):
         0x0C: Register("CIR", 0x003F_3F00, 0, keep=False, known=0),
         0x10: Register("AHB1RSTR", 0x2260_11FF, known=AHB1),
         0x20: Register("APB1RSTR", 0x36FE_C9FF, known=APB1),
-        0x24: Register("APB2RSTR", 0x0007_5933, known=APB2),
+        0x24: Register("APB2RSTR", 0x0007_5933, known=APB2 & ~(3 << 9)),
         0x30: Register("AHB1ENR", 0x7E74_11FF, 0x0010_0000, known=AHB1),
         0x40: Register("APB1ENR", 0x36FE_C9FF, known=APB1),
         0x44: Register("APB2ENR", 0x0007_5F33, known=APB2),
