@@ -28,7 +28,7 @@ from drive import ENABLE, PROFILE_POSITION, Drive  # noqa: E402
 from judge import judge_pulses  # noqa: E402
 from master import Bench  # noqa: E402
 from stepped import VirtualTime  # noqa: E402
-from stm32f405 import HZ, MS, US, Chip  # noqa: E402
+from stm32f405 import HZ, MS, NEVER, US, Chip  # noqa: E402
 from stm32f405.bxcan import BOFF  # noqa: E402
 from stm32f405.image import Image  # noqa: E402
 from test_flash import SAVE  # noqa: E402

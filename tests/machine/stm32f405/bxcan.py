@@ -8,7 +8,7 @@ from .clock import NEVER
 from .interrupts import IRQ
 from .registers import Peripheral, Register
 
-INRQ, SLEEP, RESET = 1, 2, 0x8000
+INRQ, SLEEP, ABOM, TTCM, RESET = 1, 2, 1 << 6, 1 << 7, 0x8000
 INAK, SLAK, ERRI = 1, 2, 4
 EWGF, EPVF, BOFF = 1, 2, 4
 SILENT = 1 << 31
@@ -25,7 +25,7 @@ class Can(Peripheral):
     CLOCK = (0x40, 25)
     REGISTERS = (
         {
-            0x00: Register("MCR", 0x1_80FF, 0x1_0002, known=0x1_0000 | RESET | INRQ | SLEEP),
+            0x00: Register("MCR", 0x1_80FF, 0x1_0002, known=0x1_0000 | RESET | TTCM | ABOM | INRQ | SLEEP),
             0x04: Register("MSR", 0, 0xC02, rc_w1=0x1C, keep=False),
             0x08: Register("TSR", 0x0080_8080, 0x1C00_0000, keep=False),
             0x0C: Register("RF0R", 0x38, keep=False),
@@ -82,7 +82,9 @@ class Can(Peripheral):
         return (bits + (bits - 10) // 8) * self.bit()
 
     def time_stamp(self):
-        """A counter of 16 bits that counts bits, as it was at the start of the frame: where RDTR and TDTR have it."""
+        """A counter of 16 bits that counts bits, as it was at the start of the frame: where RDTR and TDTR have it. It counts with TTCM alone."""
+        if not self["MCR"] & TTCM:
+            return 0
         return (self.began // self.bit() & 0xFFFF) << 16
 
     def takes_part(self):
@@ -332,6 +334,8 @@ class Can(Peripheral):
         if self["IER"] >> 10 & 1:
             self["MSR"] |= ERRI
         self.on_bus, self.busy_until = None, NEVER
+        if self["MCR"] & ABOM:
+            self.recover_at = self.chip.now() + 128 * 11 * self.bit()
 
     def lines(self):
         ier, irqs = self.r[0x14], []

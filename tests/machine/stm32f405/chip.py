@@ -24,6 +24,7 @@ from .system import Debug
 from .tim1 import Tim1
 from .tim2 import Tim2
 from .timers import Tim3, Tim5
+from .usart import Usart
 
 Reset = namedtuple("Reset", "time why pc")
 
@@ -32,6 +33,8 @@ class Chip:
     """`flash`: what the parameter sectors hold from before, 32 KiB. `crystal`: whether it starts."""
 
     def __init__(self, elf, flash=None, crystal=True):
+        #: A program has asked for a reset.
+        self.reset_asked = False
         self.image = elf if isinstance(elf, Image) else Image(elf)
         self.crystal = crystal
         self.time, self.resets = 0, []
@@ -75,7 +78,7 @@ class Chip:
         core.start()
 
     def connect_peripherals(self):
-        old, outer = self.can, (self.adc, self.tim1, self.spi) if self.can else None
+        old, outer = self.can, (self.adc, self.tim1, self.spi, self.usart) if self.can else None
         outside = {port: gpio.outside for port, gpio in getattr(self, "gpio", {}).items()}
         self.peripherals = []
         self.rcc = Rcc(self)
@@ -87,11 +90,14 @@ class Chip:
         self.dma2, self.tim1, self.tim2 = Dma2(self), Tim1(self), Tim2(self)
         self.tim3, self.tim5, self.can = Tim3(self), Tim5(self), Can(self)
         self.spi = {number: Spi(self, number) for number in (1, 2, 3)}
+        self.usart = {number: Usart(self, number) for number in (1, 2, 3, 4)}
         if old is not None:
-            adc, tim1, spi = outer
+            adc, tim1, spi, usart = outer
             self.adc.levels, self.tim1.centre.on_change = adc.levels, tim1.centre.on_change
             for number, master in spi.items():
                 self.spi[number].devices = master.devices
+            for number, serial in usart.items():
+                self.usart[number].on_byte, self.usart[number].line_bit = serial.on_byte, serial.line_bit
             self.can.on_frame, self.can.stats, self.can.bus_bit = old.on_frame, old.stats, old.bus_bit
             self.can.acknowledged, self.can.held = old.acknowledged, old.held
         blocks = {
@@ -99,7 +105,7 @@ class Chip:
             0x4001_3800: self.syscfg, 0x4001_2000: self.adc, 0x4002_6400: self.dma2, 0x4001_0000: self.tim1, 0x4000_0000: self.tim2,
             0x4000_0400: self.tim3, 0x4000_0C00: self.tim5, 0x4000_6400: self.can,
         }  # fmt: skip
-        blocks |= {0x4000_0000 + spi.address: spi for spi in self.spi.values()}
+        blocks |= {0x4000_0000 + each.address: each for each in (*self.spi.values(), *self.usart.values())}
         blocks |= {0x4002_0000 + 0x400 * i: gpio for i, gpio in enumerate(self.gpio.values())}
         self.blocks = {address - 0x4000_0000 >> 10: peripheral for address, peripheral in blocks.items()}
         self.peripherals = list(blocks.values())
@@ -203,6 +209,9 @@ class Chip:
             self.check()
         if self.is_off:
             return
+        if self.reset_asked:
+            self.reset_asked = False
+            return self.reset("software")
         if self.stale or self.time >= self.soon or self.time >= core.system.ticks_at:
             self.pass_events(core)
             if core is not self.core or core.is_stopped:

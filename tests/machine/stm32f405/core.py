@@ -14,6 +14,7 @@ from unicorn.arm_const import (
 
 from .cost import CHAINED, ENTRY, EXIT, Cost, Shares
 from .engine import FLASH, FLASH_SIZE
+from .faults import MSTKERR, STKERR
 from .system import HARD_FAULT, NMI, SVCALL, System
 
 #: Instructions that run without a look at the rest of the chip; more where interrupts have been
@@ -92,6 +93,9 @@ class Core:
         self.pc = 0
         #: Where the stack of each exception that is served begins, and that of the rest.
         self.bases, self.top = [], 0
+        #: Registers of the FPU of who was there before, and where in a frame their room is, as long as no handler has needed it: the core
+        #: stacks them with the first instruction of one that uses the FPU (PM0214, 2.3.7).
+        self.lazy = None
         #: The model of cost, if there is one, and how many clocks each priority has had.
         self.cost, self.shares = None, Shares()
 
@@ -99,6 +103,8 @@ class Core:
         """The engine of the chip is the one that it runs on."""
         self.engine = engine = self.chip.engine
         self.uc, self.views = engine.uc, Views(engine)
+        if hasattr(self, "system"):
+            self.system.faults.mpu.apply()
 
     def __deepcopy__(self, memo):
         twin = memo[id(self)] = Core.__new__(Core)
@@ -143,6 +149,11 @@ class Core:
         else:
             self.fault = number
         self.uc.emu_stop()
+
+    def refuse(self, address):
+        """There is nothing at an address, or the MPU forbids it."""
+        self.system.faults.refused = address
+        return False
 
     # Exceptions.
 
@@ -203,21 +214,26 @@ class Core:
         padded = bool(sp & 4)
         new = sp - size & ~7
         place = engine.place(new, size)
-        if place is None:
+        if place is None or self.system.faults.mpu.refuses(new, size):
             # Nothing is stacked, and a hard fault comes in place of this.
+            self.system.faults.status |= STKERR if place is None else MSTKERR
             number = HARD_FAULT
         else:
             struct.pack_into("<8I", *place, *registers, self.pc & ~1, xpsr & ~0x3FF | padded << 9 | 1 << 24)
             if with_floats:
-                # The core writes them later, with the first instruction of the handler that needs
-                # the FPU. No program can tell.
-                memory, offset = place
-                struct.pack_into("<8QII", memory, offset + 0x20, *views.floats.read(), 0)
+                # A handler that has been there before and used the FPU is who was there.
+                self.stack_floats(control)
+                self.lazy = new + 0x20, views.floats.read()
+                self.system.float_at = new + 0x20
+                if not self.system.is_lazy:
+                    self.stack_floats(control)
         if self.cost is not None:
             self.cost.note_stack()
             self.stall += CHAINED - EXIT if self.has_left else ENTRY
         self.bases.append(sp)
         self.active.append((number, self.system.priority[number], (size, padded, with_floats, xpsr)))
+        if self.system.priority[number] < 0:
+            self.system.faults.mpu.apply()
         self.lowest_stack = min(self.lowest_stack, new)
         views.handler.write((new, EXC_RETURN_FP if with_floats else EXC_RETURN, 1 << 24 | number, control & ~FPCA if with_floats else control))
         vector = self.vector(number)
@@ -228,6 +244,15 @@ class Core:
         waited = self.chip.time - self.pending_since.pop(number, self.chip.time)
         self.latency[number] = max(self.latency[number], waited)
 
+    def stack_floats(self, control):
+        """What was to be stacked is, as soon as the FPU has been used again; `control` tells whether it was."""
+        if self.lazy is not None and control & FPCA:
+            address, floats = self.lazy
+            self.lazy = None
+            place = self.engine.place(address, 0x48)
+            if place is not None:
+                struct.pack_into("<8QII", *place, *floats, 0)
+
     def vector(self, number):
         """Where the handler of an exception begins; at address 0 lies the flash."""
         at = (self.system.stored[0xED08] or FLASH) + 4 * number
@@ -237,21 +262,27 @@ class Core:
 
     def leave(self):
         views = self.views
-        _, _, (size, padded, with_floats, xpsr) = self.active.pop()
+        _, priority, (size, padded, with_floats, xpsr) = self.active.pop()
         self.bases.pop()
+        if priority < 0:
+            self.system.faults.mpu.apply()
         self.chip.stale = True
         if self.cost is not None:
             self.stall += EXIT
             self.has_left = True
         sp, control = views.stack.read()
+        self.stack_floats(control)
         memory, offset = self.engine.place(sp, size) or (self.uc.mem_read(sp, size), 0)
         *registers, pc, _ = struct.unpack_from("<8I", memory, offset)
-        if with_floats and control & FPCA:
-            # The handler has used the FPU. One that has not left everything where it was.
+        if with_floats and self.lazy is None:
+            # It was needed meanwhile. Otherwise all is where it was.
             views.floats.write(struct.unpack_from("<8QI", memory, offset + 0x20))
+        if with_floats:
+            self.lazy = None
         control = control | FPCA if with_floats else control & ~FPCA
         views.entered.write((*registers, sp + size | padded << 2, xpsr | 1 << 24, control))
         self.pc = pc | 1
+        self.sleeping = not self.active and self.system.sleeps_on_exit
 
     def hard_fault(self):
         if self.active and self.active[-1][1] <= -1:
@@ -280,10 +311,10 @@ class Core:
         self.loops = False
         try:
             uc.emu_start(self.pc, RETURNS[0], 0, count)
-        except UcError:
-            # No memory there, or no such instruction.
+        except UcError as error:
+            # No memory there, or the MPU forbids it, or no such instruction.
             self.pc, self.slice = uc.reg_read(UC_ARM_REG_PC) | 1, 0
-            self.hard_fault()
+            self.system.faults.of_access(error)
             return count
         self.slice = 0
         self.room = min(2 * self.room, MASKED) if self.is_held and not self.accesses else SLICE
@@ -291,7 +322,7 @@ class Core:
         if self.fault is not None:
             number, self.fault = self.fault, None
             self.pc = pc | 1
-            self.enter(SVCALL) if number == CALLED else self.hard_fault()
+            self.enter(SVCALL) if number == CALLED else self.system.faults.of_instruction(number)
         elif self.left or pc in RETURNS:
             self.left = False
             self.leave()
@@ -304,6 +335,8 @@ class Core:
             if self.engine.flash[at : at + 2] == WFI:
                 self.sleeping = True
                 count = min(count, 20 if self.cost is None else self.cost.begun)
+        if self.lazy is not None:
+            self.stack_floats(self.views.stack.read()[1])
         if sp < self.lowest_stack:
             self.lowest_stack = sp
         self.instructions += count

@@ -5,7 +5,7 @@ import collections
 import ctypes
 import struct
 
-from unicorn import UC_ARCH_ARM, UC_HOOK_INTR, UC_HOOK_MEM_WRITE, UC_MODE_MCLASS, UC_MODE_THUMB, UC_PROT_ALL, Uc
+from unicorn import UC_ARCH_ARM, UC_HOOK_INTR, UC_HOOK_MEM_INVALID, UC_HOOK_MEM_WRITE, UC_MODE_MCLASS, UC_MODE_THUMB, UC_PROT_ALL, Uc
 from unicorn.arm_const import (
     UC_ARM_REG_BASEPRI, UC_ARM_REG_CONTROL, UC_ARM_REG_D0, UC_ARM_REG_FPSCR, UC_ARM_REG_LR, UC_ARM_REG_PRIMASK,
     UC_ARM_REG_R0, UC_ARM_REG_R12, UC_ARM_REG_SP, UC_ARM_REG_XPSR, UC_CPU_ARM_CORTEX_M4,
@@ -30,6 +30,12 @@ PARAMETERS, PARAMETERS_SIZE = 0x0800_8000, 0x8000
 #: Parts of the chip that are not modelled and lie outside of what the peripherals' buses have: the
 #: bits of the RAM, AHB2, the external memories and their controller.
 ELSEWHERE = ((0x2200_0000, 0x200_0000), (0x5000_0000, 0x6_1000), (0x6000_0000, 0x4000_0000), (0xA000_0000, 0x1000))
+
+#: What access rights are for.
+PAGE = 0x400
+
+#: The memories of which the core may be refused parts.
+MEMORIES = ((FLASH, FLASH_SIZE), (CCM, CCM_SIZE), (RAM, RAM_SIZE))
 
 #: Everything that a program can have in the core; there is one stack.
 STATE = [
@@ -64,7 +70,7 @@ class Engine:
     free = collections.defaultdict(list)
 
     def __init__(self, image):
-        self.image, self.chip = image, None
+        self.image, self.chip, self.is_restricted = image, None, False
         self.uc = uc = Uc(UC_ARCH_ARM, UC_MODE_THUMB | UC_MODE_MCLASS)
         uc.ctl_set_cpu_model(UC_CPU_ARM_CORTEX_M4)
         self.flash, self.ccm, self.ram = self.map(FLASH, FLASH_SIZE), self.map(CCM, CCM_SIZE), self.map(RAM, RAM_SIZE)
@@ -111,6 +117,7 @@ class Engine:
             UC_HOOK_MEM_WRITE, lambda _uc, _access, address, size, value, _: self.chip.flash.program(address, size, value),
             None, FLASH, FLASH + FLASH_SIZE - 1,
         )  # fmt: skip
+        uc.hook_add(UC_HOOK_MEM_INVALID, lambda _uc, _access, address, _size, _value, _: self.chip.core.refuse(address))
         uc.hook_add(UC_HOOK_INTR, lambda _uc, number, _: self.chip.core.on_interrupt(number))
 
     # Who uses it.
@@ -142,6 +149,22 @@ class Engine:
     def clear(self):
         """The core comes out of a reset; memory is as it was."""
         self.state.write([0] * len(STATE))
+
+    # Access rights.
+
+    def allow_all(self):
+        if self.is_restricted:
+            self.is_restricted = False
+            for begin, size in MEMORIES:
+                self.uc.mem_protect(begin, size, UC_PROT_ALL)
+
+    def restrict(self, address, size, rights):
+        """Where memory is, these rights alone."""
+        for begin, length in MEMORIES:
+            first, end = max(begin, address), min(begin + length, address + size)
+            if first < end:
+                self.is_restricted = True
+                self.uc.mem_protect(first, end - first, rights)
 
     # Registers and memory.
 

@@ -5,11 +5,12 @@ import random
 from .pwm import OUTPUTS as BRIDGES
 from .registers import Peripheral, Register, read_only
 from .spi import OUTPUTS as WIRES
+from .usart import OUTPUTS as SERIAL
 
 INPUT, OUTPUT, ALTERNATE, ANALOG = range(4)
 
-#: Pins that a peripheral drives, with its alternate function: TIM1's outputs, SPI, CAN transmit.
-OUTPUTS = {(pin, 1) for pin in BRIDGES} | WIRES | {("PB9", 9)}
+#: Pins that a peripheral drives, with its alternate function: TIM1's outputs, SPI, serial lines, CAN transmit.
+OUTPUTS = {(pin, 1) for pin in BRIDGES} | WIRES | SERIAL | {("PB9", 9)}
 
 
 class Gpio(Peripheral):

@@ -9,8 +9,8 @@ CSSF, CSSC = 1 << 7, 1 << 23
 #: After a reset some of the prescaler bits of PLLCFGR are set.
 PLLCFGR_RESET = 0x2400_3010
 
-#: The bits of what is modelled: ports and DMA2; TIM2, TIM3, TIM5, SPI2, SPI3, CAN1, PWR; TIM1, ADC1 to ADC3, SPI1, SYSCFG.
-AHB1, APB1, APB2 = 0x0040_01FF, 1 << 28 | 1 << 25 | 3 << 14 | 0b1011, 1 << 14 | 1 << 12 | 7 << 8 | 1
+#: The bits of what is modelled: ports and DMA2; TIM2, TIM3, TIM5, SPI2, SPI3, USART2 to UART4, CAN1, PWR; TIM1, USART1, ADC1 to ADC3, SPI1, SYSCFG.
+AHB1, APB1, APB2 = 0x0040_01FF, 1 << 28 | 1 << 25 | 7 << 17 | 3 << 14 | 0b1011, 1 << 14 | 1 << 12 | 7 << 8 | 1 << 4 | 1
 
 
 class Rcc(Peripheral):
