@@ -358,7 +358,7 @@ impl<L: Line> Session<L> {
         }
     }
 
-    fn drive_state(&mut self) -> Result<DriveState, Problem> {
+    pub(super) fn drive_state(&mut self) -> Result<DriveState, Problem> {
         self.chosen_node()?;
         let word = self.statusword()?;
         DriveState::of(word).ok_or_else(|| {

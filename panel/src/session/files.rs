@@ -11,17 +11,38 @@ use od_gen::{Model, Report, dcf, transfer};
 
 use super::Session;
 use super::objects::shown;
+use crate::fsa::{DriveState, Transition};
 use crate::message::{Answer, Difference};
 
 impl<L: Line> Session<L> {
     pub(super) fn save(&mut self, id: u8) -> Result<Answer, Problem> {
         let node = self.node(id)?;
+        let state = self.be_still(id)?;
         self.state.busy = Some(format!("node {id} saves its parameters"));
         self.without_guard(id, |session| {
             let (result, words) = session
                 .with_words(|master, console| axis402::save(master, &node, Group::All, console));
-            result.map(|()| Answer::Text(words.said))
+            match (result, state) {
+                (Ok(()), _) => Ok(Answer::Text(words.said)),
+                (Err(Problem::Failed(why)), Some(state)) if state.has_power() => Err(
+                    Problem::Failed(format!("{why}; its motor has power: disable it first")),
+                ),
+                (Err(problem), _) => Err(problem),
+            }
         })
+    }
+
+    /// The generic drive stores in no state in which it could get power at once. Ready to switch on, as *Disable* leaves it, is one, and the motor
+    /// has none there: it goes back to switch on disabled.
+    fn be_still(&mut self, id: u8) -> Result<Option<DriveState>, Problem> {
+        if (self.chosen.as_ref()).is_none_or(|chosen| chosen.node.id != id) {
+            return Ok(None);
+        }
+        let state = self.drive_state()?;
+        if state == DriveState::ReadyToSwitchOn {
+            self.transition(Transition::DisableVoltage)?;
+        }
+        Ok(Some(state))
     }
 
     pub(super) fn restore(&mut self, id: u8) -> Result<Answer, Problem> {

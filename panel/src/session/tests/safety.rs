@@ -230,9 +230,15 @@ fn what_the_panel_has_in_1016h_is_in_no_file_and_is_not_stored() {
         name,
         text,
     });
-    // The drive stores while its motor has no power.
-    bench.done(transition(Transition::DisableVoltage));
+    // The drive stores while its motor has no power, and its page leaves it ready to switch on.
+    let why = bench.refused(Order::Save { node: NODE });
+    assert!(
+        why.ends_with("; its motor has power: disable it first"),
+        "{why}"
+    );
+    bench.done(transition(Transition::Shutdown));
     bench.done(Order::Save { node: NODE });
+    assert_eq!(bench.drive_state(), Some(DriveState::SwitchOnDisabled));
     bench.run_for(100);
     assert_eq!(bench.drive().guard, Guard::On);
     assert_eq!(bench.done(read("1016:1")), "0x007F01F4");
