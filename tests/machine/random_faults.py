@@ -6,7 +6,8 @@ A drive is brought where a run begins once; each run is a copy of that process (
 is one of three reactions, and which of them a fault may have is in `ALLOWED`:
 
 - *works on*: no fault is told, and the drive does what it was doing;
-- *fault*: an emergency message with a code that says what it is, current off, brake closed, no pulses;
+- *fault*: an emergency message with a code that says what it is, current off, brake closed, no pulses, within a millisecond of a fault of the stage or
+  the DMA;
 - *end*: current off, brake closed and no pulse within a millisecond; the watchdog does the rest (`test_end.py`).
 
 Whatever it is, no pulse is wild: widths, gaps and turns are those of the driver, no run is faster than was asked for, pulses at the pin, counter and
@@ -188,7 +189,7 @@ class Run:
         began = chip.time
         self.had_power = drive.has_power()
         self.fault.begin(drive)
-        chip.run(MS + MS // 10)
+        chip.run(MS)
         was_safe = drive.is_safe()
         chip.run(60 * MS)
         drive.settle()
@@ -228,6 +229,7 @@ class Run:
         assert least - 1 <= actual <= most + 1, f"6064h is {actual}, the pulses {least} to {most}"
         if not drive.has_power() and self.had_power:
             assert codes, "the current is off without a word"
+            assert was_safe or not isinstance(self.fault, (FailingStream, StuckLine)), "the fault is not safe within a millisecond"
             assert drive.is_safe() and not moved
             return FAULT, codes
         assert drive.has_power() == self.had_power

@@ -6,6 +6,7 @@ from drive import FAULT_RESET
 from stm32f405 import HZ, MS, US
 from stm32f405.bxcan import Frame
 from stm32f405.interrupts import IRQ
+from stm32f405.system import SYSTICK_EXCEPTION
 
 EMERGENCY = 0x80 + NODE_ID
 
@@ -42,14 +43,29 @@ def test_the_break_input_ends_the_pulses_at_once(drive):
     recovers(drive)
 
 
+def behind_a_tick(chip, microseconds):
+    """So long behind the next control tick: what looks only there would see a fault the later, the earlier it comes."""
+    ticks = chip.core.counts[SYSTICK_EXCEPTION]
+    assert chip.run(2 * MS, lambda: chip.core.counts[SYSTICK_EXCEPTION] > ticks)
+    chip.run(microseconds * US)
+
+
+#: Where in the time between two control ticks a fault comes, in microseconds.
+MOMENTS = [1, 40, 150, 600, 950]
+
+
+@pytest.mark.parametrize("moment", MOMENTS)
 @pytest.mark.parametrize(("pin", "code"), [("PC0", 0x3220), ("PA3", 0x5400)], ids=["supply", "driver"])
-def test_a_stage_without_supply_or_with_a_fault_gets_no_current(drive, pin, code):
+def test_a_stage_without_supply_or_with_a_fault_gets_no_current(drive, pin, code, moment):
     drive.turn(20_000)
-    chip, since = drive.chip, drive.chip.time
+    chip = drive.chip
+    behind_a_tick(chip, moment)
+    since = chip.time
     chip.pins.drive(pin, 0)
-    # The control tick looks at it once in a millisecond.
-    chip.run(MS + MS // 10)
+    # The refill looks at it four times in a millisecond, and the control tick is asked for then.
+    chip.run(400 * US)
     assert drive.is_safe()
+    assert chip.tim1.last_pulse - since < 400 * US
     chip.run(5 * MS)
     assert codes(drive, since) == [code]
     chip.pins.drive(pin, 1)
@@ -123,11 +139,14 @@ def test_a_drive_that_is_not_to_stop_on_a_ramp_is_safe_within_a_millisecond(driv
     assert chip.tim1.last_pulse - seen < MS
 
 
-def test_a_dma_stream_that_fails_is_a_fault_and_no_pulse_is_wild(drive):
+@pytest.mark.parametrize("moment", MOMENTS)
+def test_a_dma_stream_that_fails_is_a_fault_and_no_pulse_is_wild(drive, moment):
     drive.turn(20_000)
-    chip, since = drive.chip, drive.chip.time
+    chip = drive.chip
+    behind_a_tick(chip, moment)
+    since = chip.time
     chip.dma2.fail()
-    chip.run(2 * MS)
+    chip.run(MS)
     assert drive.is_safe()
     assert chip.tim1.last_pulse - since < MS
     chip.run(5 * MS)

@@ -74,6 +74,33 @@ def full(image, booted):
     return once(image, begin)
 
 
+@pytest.mark.parametrize("part", [0.0, 0.5])
+def test_the_slowest_flash_and_the_fastest_watchdog_get_on(start, full, part):
+    """A store that erases, a power cut in its middle, the start that sets it right, and another store: the watchdog's oscillator has 47 kHz."""
+    parameters, number = full
+    bench = start(flash=parameters)
+    chip = bench.chip
+
+    def begin():
+        chip.iwdg.lsi, chip.flash.is_slow = 47_000, True
+        assert chip.run(3 * HZ, lambda: bench.sent_since(since, 0x700 + NODE_ID))
+
+    since = chip.time
+    begin()
+    drive = Drive(bench, bench.add(NODE_ID, EDS))
+    drive[0x6083] = number
+    if part:
+        chip.flash.erases_until_cut, chip.flash.erased_part = 1, part
+        assert not save(bench)
+        since = chip.time
+        chip.cycle_power()
+        begin()
+        drive[0x6083] = number
+    assert save(bench)
+    assert part or chip.flash.erased
+    assert chip.resets == []
+
+
 @pytest.mark.parametrize("part", [0.001, 0.9999])
 def test_a_power_cut_while_it_erases_loses_no_parameter(start, full, part):
     """Few of the bits are erased by then, or most of them."""

@@ -141,6 +141,10 @@ macro_rules! app {
                 #[task(binds = $refill_interrupt, priority = 4, shared = [&stepping])]
                 fn $refill(cx: $refill::Context) {
                     cx.shared.stepping.refill();
+                    // A motor that must not have current any more does not wait for the control tick.
+                    if Selected::must_stop() || cx.shared.stepping.has_failed() {
+                        stop::spawn().ok();
+                    }
                     Selected::refill_done();
                 }
             )*

@@ -45,6 +45,11 @@ impl Stepping {
         true
     }
 
+    /// Whether the outputs were cut off by hardware. Not while the control tick has the pulses: then it looks itself.
+    pub fn has_failed(&self) -> bool {
+        (self.pulses.try_lock()).is_some_and(|pulses| pulses.fault().is_some())
+    }
+
     /// For the control tick alone: nothing else holds a lock while that runs, so it never waits.
     fn with<T, R>(&self, shared: &Mutex<T>, f: impl FnOnce(&mut T) -> R) -> R {
         let result = f(&mut lock(shared));

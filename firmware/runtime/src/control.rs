@@ -1,8 +1,8 @@
 //! What the control tick does: measure, let the drive decide, act.
 //!
 //! The contract:
-//! - One tick is one call of [`Drive::tick`], whatever the bus does; a command to stop has one of [`Drive::early_tick`] before the next, and
-//!   the regular ticks come when they would have come. The exchange is locked for the copies only.
+//! - One tick is one call of [`Drive::tick`], whatever the bus does; a command to stop has one of [`Drive::early_tick`] before the next, a stage
+//!   that fails another, and the regular ticks come when they would have come. The exchange is locked for the copies only.
 //! - A fault of the stage goes before lost frames: a drive has one cause at a time. Bus-off is for the device to see: it
 //!   stops the motor as every communication error does.
 //! - Lost frames are a fault only while the motor has current. Storing stops the processor, so on a busy bus frames are lost
@@ -11,7 +11,8 @@
 //! - A refill may interrupt a tick: it needs the emitter alone ([`cia402::Emitter`]), which the tick locks for a question, a copy or the first
 //!   pulses of a motor that stood. Where the two come one after the other, [`Control::refill`] is for it.
 //! - The watchdog is fed only if the node task has run since the last tick: if either of the two hangs, the board
-//!   starts anew. That takes seconds, so a motor with current stops before, with a fault, when the node task has not run for 20 ms.
+//!   starts anew. That may take seconds, so a motor with current stops before, with a fault, when the node task has not run for 20 ms; it is fed
+//!   until that stop is over.
 
 use core::ops::Deref;
 
@@ -118,21 +119,29 @@ impl<D: Objects, M: Deref<Target = Memory>, A: Actuator> Control<D, M, A> {
         let outputs = self.drive.tick(now, &self.inputs, stage.pulses(), exchange);
         self.carry_out(&outputs, stage);
         self.recorder.tick(&self.drive, exchange);
-        if alive {
+        // A motor that stops because the node hangs comes to its end first, which 20A1h bounds.
+        if alive || self.hangs && self.powered {
             stage.feed_watchdog();
         }
         (now, outputs.next_tick)
     }
 
-    /// A tick of its own for a command to stop, unless a regular one was first. Returns whether there was one.
+    /// A tick of its own for a command to stop, unless a regular one was first, or for a stage that has lost its supply or has a fault since the last
+    /// one, while the motor has current. Returns whether there was one.
     pub fn stop<S: PowerStage>(&mut self, stage: &mut S, exchange: &mut impl Share) -> bool
     where
         A: AtPort<S::Pulses>,
     {
-        if !exchange.lock(|exchange| exchange.calls_early()) {
+        let calls = exchange.lock(|exchange| exchange.calls_early());
+        if !calls && !self.powered {
             return false;
         }
+        let was_well = self.is_well();
         let now = self.look(false, stage);
+        let has_failed = was_well && !self.is_well();
+        if !calls && !has_failed {
+            return false;
+        }
         let outputs = self
             .drive
             .early_tick(now, &self.inputs, stage.pulses(), exchange);
@@ -155,6 +164,11 @@ impl<D: Objects, M: Deref<Target = Memory>, A: Actuator> Control<D, M, A> {
         let fault = &mut self.inputs.fault;
         *fault = fault.or(overrun.then_some(CAN_OVERRUN));
         now
+    }
+
+    /// The stage was so when it was looked at.
+    fn is_well(&self) -> bool {
+        self.inputs.supply && self.inputs.fault.is_none()
     }
 
     /// A node task that hangs is a fault if the motor has current.

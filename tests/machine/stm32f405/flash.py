@@ -14,9 +14,11 @@ ERRORS = 0xF2
 #: Begin and size of each sector.
 SECTORS = [(i * 0x4000, 0x4000) for i in range(4)] + [(0x10000, 0x10000)] + [(0x20000 * i, 0x20000) for i in range(1, 8)]
 
-#: Typical times (data sheet, 5.3.12): programming by size in bytes, and erasing 16 KiB by PSIZE; larger sectors in proportion.
-PROGRAM = {1: 16 * US, 2: 16 * US, 4: 16 * US, 8: 16 * US}
+#: Typical times (data sheet, 5.3.12): programming, and erasing 16 KiB by PSIZE; larger sectors in proportion.
+PROGRAM = 16 * US
 ERASE_16K = {0: 400 * MS, 1: 300 * MS, 2: 250 * MS}
+#: The most that they take: so many times as long.
+SLOWEST_PROGRAM, SLOWEST_ERASE = 6.25, 2
 
 
 class Flash(Peripheral):
@@ -36,6 +38,7 @@ class Flash(Peripheral):
         #: What has become of its bits by then: of those that become 1, this part.
         self.operations_until_cut = self.erases_until_cut = None
         self.erased_part, self.chance = 0.5, random.Random(1)
+        self.is_slow = False
         super().__init__(chip)
 
     def write_ACR(self, value):
@@ -77,7 +80,7 @@ class Flash(Peripheral):
             return self.chip.cut_power_now()
         flash[begin : begin + size] = b"\xff" * size
         self.erased.append((self.chip.now(), number))
-        self.chip.core.stall += ERASE_16K[min(value >> 8 & 3, 2)] * size // 0x4000
+        self.chip.core.stall += ERASE_16K[min(value >> 8 & 3, 2)] * size // 0x4000 * (SLOWEST_ERASE if self.is_slow else 1)
 
     def program(self, address, size, value):
         """The core writes to the memory of the flash, which then takes the value."""
@@ -96,7 +99,7 @@ class Flash(Peripheral):
             if old & value != value:
                 self.breach(f"{address:#x}: {old:#x} -> {value:#x} sets bits")
             self.programmed += 1
-            self.chip.core.stall += PROGRAM[size]
+            self.chip.core.stall += int(PROGRAM * (SLOWEST_PROGRAM if self.is_slow else 1))
             if self.is_cut():
                 # Some of the bits are 0 by now.
                 zeros = old & ~value & self.chance.getrandbits(8 * size)

@@ -1,16 +1,15 @@
-"""The independent watchdog (RM0090, 21), on its own oscillator of 32 kHz."""
+"""The independent watchdog (RM0090, 21), on an oscillator of its own."""
 
 from .clock import HZ, NEVER
 from .registers import Peripheral, Register
 
-LSI = 32_000
-#: A register takes five clocks of the oscillator to cross to it.
-CROSSING = 5 * HZ // LSI
 
 
 class Iwdg(Peripheral):
     NAME = "IWDG"
     READ_SIZES = WRITE_SIZES = (2, 4)
+    #: Its oscillator in Hz; it has 17 to 47 kHz (data sheet, 5.3.9).
+    lsi = 32_000
     REGISTERS = {
         0x00: Register("KR", 0xFFFF),
         0x04: Register("PR", 7),
@@ -31,7 +30,8 @@ class Iwdg(Peripheral):
         if self.started is not None:
             now = self.chip.now()
             for name, at in list(self.crossing.items()):
-                if max(at, self.started) + CROSSING <= now:
+                # Five clocks of the oscillator.
+                if max(at, self.started) + 5 * HZ // self.lsi <= now:
                     del self.crossing[name]
                     if name == "PR":
                         self.prescaler = self["PR"]
@@ -39,7 +39,7 @@ class Iwdg(Peripheral):
                         self.reload = self["RLR"]
 
     def clocks(self, counts):
-        return counts * (4 << min(self.prescaler, 6)) * HZ // LSI
+        return counts * (4 << min(self.prescaler, 6)) * HZ // self.lsi
 
     def write_KR(self, value):
         now = self.chip.now()

@@ -87,6 +87,12 @@ pub trait Board: Sized {
     /// The levels of the digital inputs, input `n` in bit `n − 1`; 0 of those that are not there. Any task may read them.
     fn input_levels() -> u8;
 
+    /// Whether the motor has current while its stage has lost the supply or reports a fault. Asked between control ticks, at each refill; a board
+    /// that leaves all of that to the tick says no.
+    fn must_stop() -> bool {
+        false
+    }
+
     /// The interrupt between two control ticks has been served.
     fn refill_done();
 

@@ -5,7 +5,7 @@ mod rig;
 use canopen::settings::{PowerOn, Source};
 use canopen::{BitRate, BitTiming, Configuration, Frame, Instant, NodeId};
 use runtime::inbox::DEPTH;
-use runtime::{Controller, PowerUp, Stamped};
+use runtime::{Controller, PowerUp};
 
 use rig::*;
 
@@ -173,19 +173,42 @@ fn a_node_that_hangs_is_a_fault_while_the_motor_has_current() {
     let mut rig = Rig::at(BitTiming::Fixed(BitRate::Kbit500));
     rig.ticks(3);
     assert_eq!(hang(&mut rig, 100), 0);
-    for controlword in [6, 7, 15] {
-        let write = [0x2B, 0x40, 0x60, 0, controlword, 0, 0, 0];
-        rig.bus.received.push_back(Stamped {
-            frame: Frame::data_frame(0x604, &write),
-            at: Instant::from_ticks(rig.around.now),
-        });
-        rig.ticks(3);
-    }
-    assert!(rig.stage.powered);
+    rig.enable();
+    let fed = rig.stage.fed;
     assert_eq!(hang(&mut rig, 19), 0);
+    assert_eq!(rig.stage.fed, fed);
     assert_eq!(hang(&mut rig, 3), 0x6100);
-    rig.ticks(50);
-    assert!(!rig.stage.powered);
+    // The watchdog waits until the motor has no current, and no longer.
+    while rig.stage.powered {
+        let fed = rig.stage.fed;
+        hang(&mut rig, 1);
+        assert_eq!(rig.stage.fed, fed + u32::from(rig.stage.powered));
+    }
+    let fed = rig.stage.fed;
+    hang(&mut rig, 100);
+    assert_eq!(rig.stage.fed, fed);
+}
+
+#[test]
+fn a_stage_that_fails_between_two_ticks_has_one_of_its_own() {
+    for fails in [
+        |stage: &mut Stage| stage.has_no_supply = true,
+        |stage: &mut Stage| stage.fault = Some(0x5400),
+    ] {
+        let mut rig = Rig::at(BitTiming::Fixed(BitRate::Kbit500));
+        rig.ticks(3);
+        // Nothing to save without current.
+        fails(&mut rig.stage);
+        assert!(!rig.stop());
+        (rig.stage.has_no_supply, rig.stage.fault) = (false, None);
+        rig.ticks(3);
+        rig.enable();
+        assert!(!rig.stop());
+        fails(&mut rig.stage);
+        assert!(rig.stop());
+        assert!(!rig.stage.powered);
+        assert!(!rig.stop());
+    }
 }
 
 #[test]

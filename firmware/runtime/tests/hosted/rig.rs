@@ -157,6 +157,8 @@ pub struct Stage {
     pub pulses: Pulses,
     pub fed: u32,
     pub powered: bool,
+    pub has_no_supply: bool,
+    pub fault: Option<u16>,
 }
 
 #[derive(Debug, Default)]
@@ -186,8 +188,8 @@ impl PowerStage for Stage {
     fn service(&mut self) {}
 
     fn look(&mut self, inputs: &mut Inputs) -> Instant {
-        inputs.supply = true;
-        inputs.fault = None;
+        inputs.supply = !self.has_no_supply;
+        inputs.fault = self.fault;
         Instant::from_ticks(self.now)
     }
 
@@ -317,6 +319,21 @@ impl Rig {
         let frame = Frame::data_frame(cob_id, data);
         let at = Instant::from_ticks(self.around.now);
         self.bus.received.push_back(Stamped { frame, at });
+    }
+
+    /// The motor gets current.
+    pub fn enable(&mut self) {
+        for controlword in [6, 7, 15] {
+            self.receive(0x604, &[0x2B, 0x40, 0x60, 0, controlword, 0, 0, 0]);
+            self.ticks(3);
+        }
+        assert!(self.stage.powered);
+    }
+
+    /// What the host does between two ticks; whether there was something to do.
+    pub fn stop(&mut self) -> bool {
+        self.control
+            .stop(&mut self.stage, &mut self.around.exchange)
     }
 
     /// A request of LSS.

@@ -7,6 +7,8 @@
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
 use stm32f4xx_hal::pac::FLASH;
 
+use super::watchdog::Watchdog;
+
 const SECTOR: u32 = 16 * 1024;
 const SECTORS: u32 = 2;
 const FIRST_SECTOR: u32 = 2;
@@ -109,6 +111,8 @@ impl ReadNorFlash for ParameterSectors {
 
     fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), NorFlashErrorKind> {
         embedded_storage::nor_flash::check_read(self, offset, bytes.len())?;
+        // A start that looks for a record at each word takes most of a second.
+        Watchdog::feed_at_rest();
         let start = (FLASH_BASE + (OFFSET + offset) as usize) as *const u8;
         for (i, byte) in bytes.iter_mut().enumerate() {
             // SAFETY: the address lies in the parameter sectors, which are always readable and hold no Rust value. Volatile,
@@ -134,6 +138,7 @@ impl NorFlash for ParameterSectors {
         }
         self.opened(|sectors| {
             for sector in from / SECTOR..to / SECTOR {
+                Watchdog::feed_at_rest();
                 // At most sector 3, so it fits.
                 let number = (FIRST_SECTOR + sector) as u8;
                 let control = sectors.flash.cr();
@@ -151,6 +156,7 @@ impl NorFlash for ParameterSectors {
     fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), NorFlashErrorKind> {
         embedded_storage::nor_flash::check_write(self, offset, bytes.len())?;
         let start = (FLASH_BASE + (OFFSET + offset) as usize) as *mut u32;
+        Watchdog::feed_at_rest();
         self.opened(|sectors| {
             sectors
                 .flash

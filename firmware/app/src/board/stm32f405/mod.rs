@@ -65,10 +65,10 @@ const CORE_HZ: u32 = 168_000_000;
 /// Clock of the timers on APB1.
 const TIMERS_HZ: u32 = 84_000_000;
 
-/// Time without a sign of life after which the board starts anew. Erasing a flash sector stops the core for 0.5 s at
-/// most, and two may be erased in a row; the watchdog's oscillator has 17 to 47 kHz instead of its nominal 32 kHz, so it bites after 2.0 to
-/// 5.6 s. The ring of step pulses is silent for longer than that.
-const WATCHDOG_MS: u16 = 3_000;
+/// Time without a sign of life after which the board starts anew. Erasing a flash sector stops the core for 0.5 s at most, and each operation
+/// of the flash begins with a sign of life; the watchdog's oscillator has 17 to 47 kHz instead of its nominal 32 kHz, so it bites after 0.68
+/// to 1.9 s. The ring of step pulses is silent for longer than that.
+const WATCHDOG_MS: u16 = 1_000;
 
 impl Board for Stm32f405 {
     const TICKS_PER_MICROSECOND: u32 = TIMERS_HZ / 1_000_000;
@@ -225,6 +225,10 @@ impl Board for Stm32f405 {
 
     fn input_levels() -> u8 {
         input_lines::levels()
+    }
+
+    fn must_stop() -> bool {
+        stage::has_power() && !stage::is_well()
     }
 
     fn refill_done() {

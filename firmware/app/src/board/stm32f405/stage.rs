@@ -104,6 +104,16 @@ impl Stage for StepStage {
     }
 }
 
+/// Whether the stage has its supply and reports no fault.
+pub fn is_well() -> bool {
+    // SAFETY: reading the input registers of GPIOA and GPIOC has no effect.
+    let (a, c) = unsafe {
+        let (a, c) = (&*pac::GPIOA::ptr(), &*pac::GPIOC::ptr());
+        (a.idr().read(), c.idr().read())
+    };
+    a.idr3().is_high() && c.idr0().is_high()
+}
+
 /// Whether the enable pin lets current into the motor.
 pub fn has_power() -> bool {
     // SAFETY: reading the output register of GPIOA has no effect.

@@ -41,6 +41,15 @@ impl Watchdog {
         self.write_key(FEED);
     }
 
+    /// The same from who has something to do that takes longer, while the motor has no current: nothing is to be feared then.
+    #[inline(never)]
+    pub fn feed_at_rest() {
+        if !super::stage::has_power() {
+            // SAFETY: a key of the register, which only feeds; the control tick writes no other one either.
+            unsafe { (*IWDG::ptr()).kr().write(|w| w.key().bits(FEED)) };
+        }
+    }
+
     fn write_key(&mut self, key: u16) {
         // SAFETY: a key of the register.
         self.0.kr().write(|w| unsafe { w.key().bits(key) });
