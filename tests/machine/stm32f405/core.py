@@ -228,7 +228,7 @@ class Core:
                 if not self.system.is_lazy:
                     self.stack_floats(control)
         if self.cost is not None:
-            self.cost.note_stack()
+            self.cost.enter()
             self.stall += CHAINED - EXIT if self.has_left else ENTRY
         self.bases.append(sp)
         self.active.append((number, self.system.priority[number], (size, padded, with_floats, xpsr)))
@@ -262,13 +262,14 @@ class Core:
 
     def leave(self):
         views = self.views
-        _, priority, (size, padded, with_floats, xpsr) = self.active.pop()
+        number, priority, (size, padded, with_floats, xpsr) = self.active.pop()
         self.bases.pop()
         if priority < 0:
             self.system.faults.mpu.apply()
         self.chip.stale = True
         if self.cost is not None:
             self.stall += EXIT
+            self.cost.leave(number)
             self.has_left = True
         sp, control = views.stack.read()
         self.stack_floats(control)

@@ -98,6 +98,8 @@ class Cost:
         self.longest = collections.Counter()
         #: The lowest stack pointer of what runs at each depth of nesting, and the deepest stack of each priority.
         self.depth = collections.Counter()
+        #: When each handler that runs began, and the longest that each exception has taken, with all that came in between.
+        self.entered, self.runs = [], collections.Counter()
         core.uc.hook_add(UC_HOOK_BLOCK, self.on_block)
         core.uc.hook_add(UC_HOOK_MEM_READ, self.on_read, None, FLASH, FLASH_END - 1)
 
@@ -105,7 +107,18 @@ class Cost:
         """What was measured so far."""
         self.longest.clear()
         self.depth.clear()
+        self.runs.clear()
         self.masked = {}
+
+    def enter(self):
+        """A handler begins."""
+        self.note_stack()
+        self.entered.append(self.core.chip.time)
+
+    def leave(self, number):
+        """It has ended. Those that had begun before there was a model of cost are not counted."""
+        if self.entered:
+            self.runs[number] = max(self.runs[number], self.now() - self.entered.pop())
 
     def now(self):
         """The moment in the slice, to a block."""
