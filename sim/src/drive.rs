@@ -222,6 +222,7 @@ impl<D: Dictionary + Objects + Default, A: Moving> VirtualDrive<D, A> {
         };
         self.desk
             .read(self.node.device().node().dictionary(), servo);
+        Desk::show_lead(self.node.dictionary_mut(), servo);
         if let Some(found) = self.desk.news(servo) {
             self.desk.show(self.node.dictionary_mut(), &found);
         }

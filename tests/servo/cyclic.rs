@@ -20,7 +20,7 @@ fn set_up(mut drive: ServoBench, mode: u8, object: u32) -> ServoBench {
 }
 
 /// A period of 4 ms: a set-point, if there is one, and SYNC.
-fn period(drive: &mut ServoBench, set_point: Option<&str>) {
+pub(super) fn period(drive: &mut ServoBench, set_point: Option<&str>) {
     let begin = drive.now();
     if let Some(bytes) = set_point {
         let length = bytes.split(' ').count();
@@ -31,7 +31,7 @@ fn period(drive: &mut ServoBench, set_point: Option<&str>) {
     drive.run_micros(4_000 - passed);
 }
 
-fn bytes(value: &[u8]) -> String {
+pub(super) fn bytes(value: &[u8]) -> String {
     let bytes: Vec<String> = value.iter().map(|byte| format!("{byte:02X}")).collect();
     bytes.join(" ")
 }

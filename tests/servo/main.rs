@@ -4,6 +4,7 @@ mod cyclic;
 mod faults;
 mod loops;
 mod modes;
+mod stepper;
 mod torque;
 mod tuning;
 

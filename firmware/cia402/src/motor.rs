@@ -170,6 +170,11 @@ impl<A: Actuator> Motor<A> {
         self.referenced = false;
     }
 
+    /// A limit of its torque, or of the lead of its field, keeps it from where it is to be.
+    pub(crate) fn is_held_back(&self) -> bool {
+        self.torque().is_some_and(|torque| torque.is_limited)
+    }
+
     /// Whether what is committed leads further than `slack` from this position.
     pub(crate) fn is_displaced(&self, position: i64, slack: u32) -> bool {
         self.actuator.committed_position().abs_diff(position) > slack.into()

@@ -4,10 +4,13 @@
 //! come at another rate than the control, and a little early or late. A torque is held up to a speed: there a limit of it falls that much with each rad/s that a
 //! loop of the velocity would take.
 //!
+//! A position is held by the loops, or as a stepper by a field that leads the rotor ([`Stepper`]); a torque by the current alone.
+//!
 //! What may be asked of the motor is the least of what is ordered, of the heat ([`Thermal`], [`Derating`]) and of the bus ([`Bus`]). What cannot go on is a [`Fault`]: the
 //! gates are to be off from then on, until [`Control::start`].
 
 mod order;
+mod watch;
 
 use crate::cascade::{Actual, Demand, Gains, Limits};
 use crate::current_loop::Trip;
@@ -15,12 +18,14 @@ use crate::feedback::FeedbackFault;
 use crate::filter::Filter;
 use crate::interrupt::CurrentInterrupt;
 use crate::motor::Implausible;
-use crate::number::{between, fade, is_within, limit, root};
-use crate::protection::{Blocked, Bus, Derating, PhaseLoss, Thermal};
-use crate::transform::{Rotor, Stator};
+use crate::number::{between, fade, limit, root};
+use crate::protection::{Bus, Derating, Thermal};
+use crate::stepper::{self, Stepper, StepperConfig, StepperDemand};
+use crate::transform::Rotor;
 use crate::tuning::Chirp;
 use crate::{Cascade, Motor};
 pub use order::{Goal, Order, Report, Seen};
+use watch::Watch;
 
 /// Why the motor has no current any more.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,8 +86,8 @@ pub struct ControlConfig {
     pub bus: Bus,
     /// The temperature.
     pub derating: Derating,
-    /// A rotor that does not turn for so long is blocked, in s.
-    pub blocked: f32,
+    /// A rotor that is slower than this, in rad/s, for so long, in s, though it is pushed as hard as may be, is blocked; 0 s is never.
+    pub blocked: (f32, f32),
     /// The fastest that the motor may turn, in rad/s.
     pub most_speed: f32,
 }
@@ -90,11 +95,17 @@ pub struct ControlConfig {
 /// What is told of the current fades in this time, in s.
 const SHOWN: f32 = 2e-3;
 
-/// The share of the rated voltage of the winding above which what the model does not know is an encoder that is wrong.
-const UNKNOWN: f32 = 0.35;
+/// The share of the bus that the magnet, and what lies along it, may drive.
+const FOR_MAGNET: f32 = 0.75;
 
-/// The share of the rated current that the currents of the phases may add up to, and for how long, in s.
-const ADDED_UP: (f32, f32) = (0.2, 2e-3);
+/// What holds the motor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Holder {
+    /// Nothing, or a torque.
+    Current,
+    Loops,
+    Field,
+}
 
 /// See the module.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -102,10 +113,11 @@ pub struct Control {
     motor: Motor,
     config: ControlConfig,
     cascade: Cascade,
+    /// Holds positions in place of the loops.
+    stepper: Option<Stepper>,
     /// Of the motor, and of the stage.
     thermal: [Thermal; 2],
-    blocked: Blocked,
-    phase_loss: PhaseLoss,
+    watch: Watch,
     /// rad of a count.
     count: f32,
     order: Option<Order>,
@@ -117,13 +129,8 @@ pub struct Control {
     beyond: f32,
     /// What was wanted of the current last, in A.
     wanted: f32,
-    held: bool,
+    holder: Holder,
     is_limited: bool,
-    astray: f32,
-    /// How long the currents of the phases have not added up to nothing, in s.
-    unequal: f32,
-    /// What the current loop has had the time to reach of what was asked of it.
-    due: Rotor,
     /// The current without the noise of its samples, for who is told of it.
     shown: Rotor,
     fault: Option<Fault>,
@@ -133,7 +140,7 @@ impl Control {
     /// For a motor that was checked.
     ///
     /// # Errors
-    /// With what [`Cascade::new`], [`Thermal::new`], [`Blocked::new`] and [`PhaseLoss::new`] refuse, or a greatest speed outside 1 to 10⁴ rad/s.
+    /// With what [`Cascade::new`], [`Thermal::new`], [`Blocked::new`](crate::protection::Blocked::new) and [`PhaseLoss::new`](crate::protection::PhaseLoss::new) refuse, or a greatest speed outside 1 to 10⁴ rad/s.
     pub fn new(motor: &Motor, config: ControlConfig) -> Result<Self, Implausible> {
         let motor = motor.checked()?;
         let period = config.period;
@@ -142,34 +149,27 @@ impl Control {
             Cascade::new(&motor, config.gains, period)?.with(filter, filter, config.friction)?;
         let (rated, peak) = (motor.rated_current, motor.peak_current);
         let (stage, stage_time) = config.stage;
-        let periods = between(config.blocked / period, 1.0, 1e6) as u32;
-        let least = between(0.02 * rated, 1e-3, rated);
-        let is_one = is_within(config.most_speed, 1.0, 1e4);
-        let control = Self {
+        Ok(Self {
             motor,
             config,
             cascade,
+            stepper: None,
             thermal: [
                 Thermal::new(rated, peak, config.peak_time, period)?,
                 Thermal::new(stage, peak, stage_time, period)?,
             ],
-            blocked: Blocked::new(0.9 * rated, 1.0, periods)?,
-            phase_loss: PhaseLoss::new(motor.wiring, least, 0.02, period)?,
+            watch: Watch::new(&motor, &config)?,
             count: core::f32::consts::TAU / motor.counts as f32,
             order: None,
             chirp: None,
             since: 0.0,
             beyond: 0.0,
             wanted: 0.0,
-            held: false,
+            holder: Holder::Current,
             is_limited: false,
-            astray: 0.0,
-            unequal: 0.0,
-            due: Rotor::ZERO,
             shown: Rotor::ZERO,
             fault: None,
-        };
-        is_one.then_some(control).ok_or(Implausible)
+        })
     }
 
     /// The gates are about to be on: no current flows, and nothing is ordered. Ends a fault.
@@ -177,18 +177,35 @@ impl Control {
         self.order = None;
         self.chirp = None;
         self.wanted = 0.0;
-        self.held = false;
+        self.holder = Holder::Current;
         self.is_limited = false;
-        self.astray = 0.0;
-        self.unequal = 0.0;
-        self.due = Rotor::ZERO;
+        self.watch.start();
         self.shown = Rotor::ZERO;
         self.fault = None;
-        let periods = between(self.config.blocked / self.config.period, 1.0, 1e6) as u32;
-        // What was checked when it was made.
-        if let Ok(blocked) = Blocked::new(0.9 * self.motor.rated_current, 1.0, periods) {
-            self.blocked = blocked;
-        }
+    }
+
+    /// Positions are held as a stepper from the next period on, or by the loops.
+    ///
+    /// # Errors
+    /// With what [`Stepper::new`] refuses; what was before stays.
+    pub fn set_stepper(&mut self, config: Option<StepperConfig>) -> Result<(), Implausible> {
+        let period = self.config.period;
+        self.stepper = match config {
+            Some(config) => Some(Stepper::new(&self.motor, config, period)?),
+            None => None,
+        };
+        self.holder = Holder::Current;
+        Ok(())
+    }
+
+    /// What a blocked rotor is from the next period on, as in [`ControlConfig::blocked`].
+    ///
+    /// # Errors
+    /// With what [`Blocked::new`](crate::protection::Blocked::new) refuses; what was before stays.
+    pub fn set_blocked(&mut self, blocked: (f32, f32)) -> Result<(), Implausible> {
+        self.watch.set_blocked(blocked, self.config.period)?;
+        self.config.blocked = blocked;
+        Ok(())
     }
 
     /// What is to be done from now on, as of so many s ago.
@@ -245,7 +262,17 @@ impl Control {
         if let Some(fault) = self.fault {
             return Err(fault);
         }
-        let found = self.watch(interrupt, seen);
+        let actual = self.actual(interrupt);
+        let (pushes, share) = (self.pushes(), self.config.derating.share(seen.temperature));
+        let is_fed = !self.config.bus.is_sunk(seen.bus);
+        let found = match share {
+            _ if share <= 0.0 => Some(Fault::Temperature),
+            _ => self
+                .watch
+                .run(interrupt, seen, is_fed, pushes, actual.velocity),
+        };
+        // What is held at rest by less than all is not blocked.
+        let found = found.filter(|fault| *fault != Fault::Blocked || self.is_limited);
         if let Some(fault) = found {
             self.fail(fault);
             return Err(fault);
@@ -258,8 +285,6 @@ impl Control {
         };
         let [motor, stage] = &mut self.thermal;
         let heat = motor.run(current.square()).min(stage.run(current.square()));
-        let share = self.config.derating.share(seen.temperature);
-        let actual = self.actual(interrupt);
         let limits = self.limits(heat * share, actual.velocity, seen.bus);
         let Some(order) = self.order else {
             return Ok(Rotor::ZERO);
@@ -271,26 +296,81 @@ impl Control {
                 None => self.chirp = None,
             }
         }
-        if is_position != self.held {
-            self.held = is_position;
-            if is_position {
-                self.cascade.take_over(self.wanted, &demand, actual);
-            }
+        let holder = match (is_position, &self.stepper, &self.chirp) {
+            (false, ..) => Holder::Current,
+            // A sine is added to a current: soft loops are about it.
+            (true, Some(_), None) => Holder::Field,
+            (true, ..) => Holder::Loops,
+        };
+        let is_new = core::mem::replace(&mut self.holder, holder) != holder;
+        if is_new && holder == Holder::Loops {
+            self.cascade.take_over(self.wanted, &demand, actual);
         }
         self.since += self.config.period;
-        let wanted = if is_position {
-            let wanted = self.cascade.run(&demand, actual, limits);
-            self.is_limited = self.cascade.is_limited();
-            wanted
-        } else {
-            let limits = self.below_speed(limits, order.speed, actual.velocity);
-            let asked = limit(demand.current, 1e4);
-            let given = between(asked, -limits.negative, limits.positive);
-            self.is_limited = given != asked;
-            given
+        let mut along = 0.0;
+        let wanted = match holder {
+            Holder::Field => {
+                let field = self.lead(&demand, interrupt, is_new, limits, seen.bus);
+                along = field.d;
+                field.q
+            }
+            Holder::Loops => {
+                let wanted = self.cascade.run(&demand, actual, limits);
+                self.is_limited = self.cascade.is_limited();
+                wanted
+            }
+            Holder::Current => {
+                let limits = self.below_speed(limits, order.speed, actual.velocity);
+                let asked = limit(demand.current, 1e4);
+                let given = between(asked, -limits.negative, limits.positive);
+                self.is_limited = given != asked;
+                given
+            }
         };
         self.wanted = wanted;
-        Ok(Rotor { d: 0.0, q: wanted })
+        Ok(Rotor {
+            d: along,
+            q: wanted,
+        })
+    }
+
+    /// The current of a field that leads the rotor.
+    fn lead(
+        &mut self,
+        demand: &Demand,
+        interrupt: &CurrentInterrupt,
+        is_new: bool,
+        limits: Limits,
+        bus: f32,
+    ) -> Rotor {
+        let Some(stepper) = &mut self.stepper else {
+            return Rotor::ZERO;
+        };
+        let position = demand.position.unwrap_or_default();
+        let part = (demand.part * 65_536.0) as i64;
+        let demand = StepperDemand {
+            position: position.saturating_mul(1 << 16).saturating_add(part),
+            speed: demand.velocity * f32::from(self.motor.pole_pairs),
+            is_at_rest: demand.velocity == 0.0 && demand.acceleration == 0.0,
+        };
+        let rotor = stepper::Rotor {
+            position: interrupt.encoder.position(),
+            angle: interrupt.encoder.angle(),
+            speed: interrupt.observer.speed(),
+        };
+        if is_new {
+            stepper.take_over(self.wanted, &demand, &rotor);
+        }
+        let most = limits.positive.max(limits.negative);
+        let field = stepper.run(&demand, &rotor, most);
+        let asked = field.seen_from(interrupt.observer.angle());
+        let q = between(asked.q, -limits.negative, limits.positive);
+        self.is_limited = stepper.is_held_back() || q != asked.q;
+        // What lies along the magnet gives way where the bus has not the voltage for it: it holds at rest, and gives no torque.
+        let room = FOR_MAGNET * bus / rotor.speed.abs().max(1.0) - self.motor.flux;
+        let most = between(room / self.motor.inductance_d, 0.0, 1e4);
+        let d = between(asked.d, -most, most);
+        Rotor { d, q }
     }
 
     /// What there is to tell.
@@ -311,6 +391,10 @@ impl Control {
             },
             velocity: self.actual(interrupt).velocity / self.count,
             is_limited: is_on && self.is_limited,
+            lead: match (&self.stepper, self.holder) {
+                (Some(stepper), Holder::Field) if is_on => stepper.lead(),
+                _ => 0.0,
+            },
             is_hot: self.thermal.iter().any(|thermal| thermal.share() > 0.9),
         }
     }
@@ -385,54 +469,12 @@ impl Control {
         }
     }
 
-    /// What cannot go on.
-    fn watch(&mut self, interrupt: &CurrentInterrupt, seen: &Seen) -> Option<Fault> {
-        let actual = self.actual(interrupt);
-        let current = interrupt.current.current();
-        let share = self.config.derating.share(seen.temperature);
-        if share <= 0.0 {
-            return Some(Fault::Temperature);
+    /// Whether the rotor is pushed as hard as it may be.
+    fn pushes(&self) -> bool {
+        match (&self.stepper, self.holder) {
+            (Some(stepper), Holder::Field) => stepper.lead().abs() >= 1.0,
+            _ => self.wanted.abs() > 0.9 * self.motor.rated_current,
         }
-        if !is_within(actual.velocity.abs(), 0.0, self.config.most_speed) {
-            return Some(Fault::OverSpeed);
-        }
-        let angle = interrupt.observer.angle().sine_cosine();
-        let asked = interrupt.current.demand();
-        let keeps = fade(interrupt.current.rate(), self.config.period);
-        self.due = Rotor {
-            d: asked.d + keeps * (self.due.d - asked.d),
-            q: asked.q + keeps * (self.due.q - asked.q),
-        };
-        let asked = self.due.beside_stator(angle);
-        let carried = current.beside_stator(angle);
-        let phases = |stator: Stator| stator.phases(self.motor.wiring);
-        let (share, time) = ADDED_UP;
-        if is_within(seen.sum.abs(), 0.0, share * self.motor.rated_current) {
-            self.unequal = 0.0;
-        } else {
-            self.unequal += self.config.period;
-        }
-        if self.unequal > time {
-            return Some(Fault::CurrentSensor);
-        }
-        let is_fed = !self.config.bus.is_sunk(seen.bus);
-        if is_fed && (self.phase_loss.run(phases(asked), phases(carried))).is_some() {
-            return Some(Fault::PhaseLost);
-        }
-        // A magnet that turns where the encoder stands drives what the model does not know.
-        let unknown = root(interrupt.current.unknown().square());
-        let known = self.motor.resistance * self.motor.rated_current + 0.03 * seen.bus;
-        let is_astray = unknown > known + UNKNOWN * self.motor.resistance * root(current.square());
-        self.astray = if is_astray {
-            self.astray + self.config.period
-        } else {
-            0.0
-        };
-        if self.astray > 5e-3 {
-            return Some(Fault::Encoder);
-        }
-        let is_blocked = self.blocked.run(self.wanted, actual.velocity);
-        (is_blocked && self.is_limited).then_some(Fault::Blocked)
     }
 }
 

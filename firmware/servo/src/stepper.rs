@@ -8,6 +8,9 @@
 //! - Supervised, the field follows the demand whatever the rotor does, and a lead beyond the bound is told.
 //! - The current is by the load: from that at rest up to the whole as the lead comes to a full step, at once; down again slowly.
 //! - The swinging of the rotor is damped: the field gives way to what the rotor is faster than the demand, until it brakes.
+//! - A demand that turns back takes from what is held back first: the motor waits until it is where it was to be.
+//! - At rest what a load or friction leaves of the lead is added to the field, slowly, until the rotor is where it was to be. Supervised it is not.
+//! - A torque that was held before goes on: the field begins with the lead that gives it.
 //!
 //! Positions are counts of the encoder, in parts of 2¹⁶: the position is that of the encoder, always.
 
@@ -18,6 +21,12 @@ use crate::transform;
 
 /// Parts of a count.
 const PARTS: f32 = 65_536.0;
+
+/// So fast the field goes to where the rotor is as it was to be at rest, in 1/s.
+const TRIM: f32 = 30.0;
+
+/// Full steps of an electrical rad.
+const ARC: f32 = core::f32::consts::FRAC_2_PI;
 
 /// What becomes of a lead beyond the bound.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,6 +48,8 @@ pub struct StepperConfig {
     pub bound: f32,
     /// With so many full steps/s what was held back is made up, beside the demand's own speed.
     pub speed: f32,
+    /// The fastest that both together go, in full steps/s.
+    pub most_speed: f32,
     /// The whole current, in A.
     pub current: f32,
     /// The share of it at rest without a load, 0.05 to 1.
@@ -101,26 +112,39 @@ pub struct Stepper {
     angle_of_count: i64,
     /// Full steps of a part of a count.
     full_steps: f32,
-    /// The bound, and what is made up in a period, in parts of a count.
+    /// The bound, in parts of a count.
     bound: i64,
-    made_up: i64,
+    /// What a speed of an electrical rad/s makes of a period, in parts of a count.
+    way: f32,
+    /// What is made up, and the fastest, in electrical rad/s.
+    made_up: f32,
+    most_speed: f32,
+    /// The share of what is left of the lead at rest that a period adds to the field, and what it has added, in parts of a count.
+    trims: f32,
+    trim: i64,
     /// By so many parts the field gives way for an electrical rad/s.
     damping: f32,
     fades: f32,
     behind: i64,
+    /// The demand of the period before.
+    last: Option<i64>,
     current: f32,
+    /// The lead, in full steps.
+    lead: f32,
+    is_beyond: bool,
 }
 
 impl Stepper {
     /// For a motor that was checked, with a period in s.
     ///
     /// # Errors
-    /// With a bound outside 1.1 to 1.7 full steps, a speed outside 1 to 10⁵ full steps/s, a current above the peak of the motor or below 1 mA, a share
+    /// With a bound outside 1.1 to 1.7 full steps, a speed outside 1 to 10⁵ full steps/s, a fastest one outside 1 to 10⁶, a current above the peak of the motor or below 1 mA, a share
     /// outside 0.05 to 1, a time of falling outside 1 ms to 100 s, or a period outside 5 µs to 1 ms; or if a full step is less than four counts.
     pub fn new(motor: &Motor, config: StepperConfig, period: f32) -> Result<Self, Implausible> {
         let motor = motor.checked()?;
         let is_one = is_within(config.bound, 1.1, 1.7)
             && is_within(config.speed, 1.0, 1e5)
+            && is_within(config.most_speed, 1.0, 1e6)
             && is_within(config.current, 1e-3, motor.peak_current)
             && is_within(config.at_rest, 0.05, 1.0)
             && is_within(config.fall, 1e-3, 100.0)
@@ -131,26 +155,48 @@ impl Stepper {
             return Err(Implausible);
         }
         let pull = pole_pairs * motor.torque_constant() * config.current / motor.inertia;
-        // As much as damps the swinging in the field wholly: 2/ω electrical rad for a rad/s.
-        let damping = 2.0 / root(pull);
+        // Half as much as damps the swinging in the field wholly, 2/ω electrical rad for a rad/s: what is seen of the speed comes late.
+        let damping = 1.0 / root(pull);
         Ok(Self {
             config,
             angle_of_count: ((u64::from(motor.pole_pairs) << 32) / u64::from(motor.counts.max(1)))
                 .cast_signed(),
             full_steps: 1.0 / full_step,
             bound: (config.bound * full_step) as i64,
-            made_up: ((config.speed * full_step * period) as i64).max(1),
-            damping: damping * full_step / core::f32::consts::FRAC_PI_2,
+            way: period * full_step * ARC,
+            made_up: config.speed / ARC,
+            most_speed: config.most_speed / ARC,
+            trims: TRIM * period,
+            trim: 0,
+            damping: damping * full_step * ARC,
             fades: fade(1.0 / config.fall, period),
             behind: 0,
+            last: None,
             current: config.current,
+            lead: 0.0,
+            is_beyond: false,
         })
     }
 
     /// The field is where it is demanded, and nothing is behind.
     pub fn reset(&mut self) {
         self.behind = 0;
+        self.trim = 0;
+        self.last = None;
         self.current = self.config.current;
+    }
+
+    /// The field begins at the rotor, with the lead by which the whole current gives this one in q, in A. What it is behind the
+    /// demand is made up.
+    pub fn take_over(&mut self, torque: f32, demand: &StepperDemand, rotor: &Rotor) {
+        self.reset();
+        let sine = limit(torque / self.config.current, 1.0);
+        let square = sine * sine;
+        // The arc of it, within a tenth of a full step.
+        let lead = sine * (ARC + (1.0 - ARC) * square * square);
+        let ahead = (lead / self.full_steps) as i64;
+        let away = demand.position.saturating_sub(middle(rotor));
+        self.behind = away.saturating_sub(ahead);
     }
 
     /// How far the field is behind the demand, in parts of a count.
@@ -158,27 +204,36 @@ impl Stepper {
         self.behind
     }
 
-    /// A period.
-    pub fn run(&mut self, demand: &StepperDemand, rotor: &Rotor) -> Field {
-        let middle = (rotor.position.wrapping_shl(16)).wrapping_add(1 << 15);
-        let wanted = demand
+    /// The lead of the last period, in full steps.
+    pub fn lead(&self) -> f32 {
+        self.lead
+    }
+
+    /// Whether the lead is at its bound, or what was held back there is not made up yet.
+    pub fn is_held_back(&self) -> bool {
+        self.is_beyond || self.behind.unsigned_abs() as f32 * self.full_steps > 1.0
+    }
+
+    /// A period, in which no current is to be above `most` A.
+    pub fn run(&mut self, demand: &StepperDemand, rotor: &Rotor, most: f32) -> Field {
+        self.take_back(demand.position);
+        let full_step = 1.0 / self.full_steps;
+        let away = demand
             .position
             .saturating_sub(self.behind)
-            .saturating_sub(middle);
+            .saturating_sub(middle(rotor));
+        let wanted = away.saturating_add(self.trim);
         let held = within(wanted, self.bound);
         let is_beyond = held != wanted;
         let lead = if self.config.beyond == Beyond::Told {
             wanted
         } else {
             self.behind = self.behind.saturating_add(wanted.saturating_sub(held));
-            if self.config.beyond == Beyond::MadeUpAtOnce || demand.is_at_rest {
-                let back = within(self.behind, self.made_up);
-                self.behind = self.behind.saturating_sub(back);
-            }
+            self.trim_field(away, demand.is_at_rest);
             held
         };
-        let faster = limit(rotor.speed - demand.speed, 1e5);
-        let full_step = 1.0 / self.full_steps;
+        let catches_up = self.make_up(demand);
+        let faster = limit(rotor.speed - demand.speed - catches_up, 1e5);
         let field = if self.config.beyond == Beyond::Told {
             lead.saturating_sub(limit(self.damping * faster, full_step) as i64)
         } else {
@@ -192,11 +247,59 @@ impl Stepper {
             -1e4,
             1e4,
         );
+        (self.lead, self.is_beyond) = (steps, is_beyond);
         Field {
             angle: rotor.angle.plus(self.turned(field)),
-            current: self.current_for(steps.abs()),
+            current: between(self.current_for(steps.abs()), 0.0, limit(most, 1e4)),
             lead: steps,
             is_beyond,
+        }
+    }
+
+    /// Takes from what is held back, if it is time for that. Returns with which speed, in electrical rad/s.
+    fn make_up(&mut self, demand: &StepperDemand) -> f32 {
+        if self.config.beyond == Beyond::MadeUpAtRest && !demand.is_at_rest {
+            return 0.0;
+        }
+        let sign = self.behind.signum();
+        let toward = if sign < 0 {
+            -demand.speed
+        } else {
+            demand.speed
+        };
+        let speed = between(self.most_speed - toward, 0.0, self.made_up);
+        let most = ((speed * self.way) as i64).max(1);
+        let back = within(self.behind, most);
+        self.behind = self.behind.saturating_sub(back);
+        if back.saturating_abs() == most {
+            limit(sign as f32 * speed, self.made_up)
+        } else {
+            0.0
+        }
+    }
+
+    /// What is left of the lead at rest goes to the field; in motion it fades.
+    fn trim_field(&mut self, away: i64, is_at_rest: bool) {
+        let full_step = 1.0 / self.full_steps;
+        let left = if is_at_rest {
+            away
+        } else {
+            self.trim.saturating_neg()
+        };
+        // More than a full step is no rest.
+        if left.unsigned_abs() as f32 <= full_step || !is_at_rest {
+            let change = (left as f32 * self.trims) as i64;
+            self.trim = within(self.trim.saturating_add(change), full_step as i64);
+        }
+    }
+
+    /// A demand that turns back comes to where the field is held.
+    fn take_back(&mut self, position: i64) {
+        let last = self.last.replace(position).unwrap_or(position);
+        let change = position.saturating_sub(last);
+        if change.signum() == -self.behind.signum() {
+            let most = i64::try_from(self.behind.unsigned_abs()).unwrap_or(i64::MAX);
+            self.behind = self.behind.saturating_add(within(change, most));
         }
     }
 
@@ -215,6 +318,11 @@ impl Stepper {
         self.current = if wanted > fallen { wanted } else { fallen };
         self.current
     }
+}
+
+/// Where the rotor is, in parts of a count: in the middle of one.
+fn middle(rotor: &Rotor) -> i64 {
+    rotor.position.wrapping_shl(16).wrapping_add(1 << 15)
 }
 
 /// The value within a bound on both sides; unlike `clamp` it cannot panic.

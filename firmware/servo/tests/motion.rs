@@ -258,7 +258,7 @@ fn a_rotor_that_is_held_is_found_blocked_within_its_current() {
     let mut data = SERVO_100W;
     data.load.coulomb_friction = 2.0;
     let mut servo = Servo::new(&data, known, 500.0);
-    let mut blocked = Blocked::new(known.rated_current, 1.0, 800).unwrap();
+    let mut blocked = Blocked::new(1.0, 0.2, CONTROL).unwrap();
     let mut thermal = Thermal::new(4.0, 12.0, 0.1, CONTROL).unwrap();
     let demand = Demand {
         velocity: 100.0,
@@ -269,7 +269,8 @@ fn a_rotor_that_is_held_is_found_blocked_within_its_current() {
         servo.run(&demand);
         let allowed = thermal.run(servo.rig.current.current().square());
         servo.limits = Limits::both(allowed);
-        if blocked.run(servo.current, servo.actual().velocity) && found.is_none() {
+        let is_pushed = servo.current.abs() > known.rated_current;
+        if blocked.run(is_pushed, servo.actual().velocity) && found.is_none() {
             found = Some(period);
         }
         let size = servo.rig.plant.current().map(|part| part * part);

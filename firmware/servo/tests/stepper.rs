@@ -19,6 +19,7 @@ const CONFIG: StepperConfig = StepperConfig {
     beyond: Beyond::MadeUpAtOnce,
     bound: 1.5,
     speed: 400.0,
+    most_speed: 4_000.0,
     current: 2.4,
     at_rest: 0.4,
     fall: 0.05,
@@ -74,7 +75,7 @@ impl Axis {
             angle: self.rig.encoder.angle(),
             speed: self.rig.observer.speed(),
         };
-        let field = self.stepper.run(&demand, &rotor);
+        let field = self.stepper.run(&demand, &rotor, f32::INFINITY);
         let lead = field
             .angle
             .minus(rig::turned(self.rig.plant.electrical_angle()));
@@ -234,7 +235,7 @@ proptest! {
         for (position, at, speed, other, angle, is_at_rest) in runs {
             let demand = StepperDemand { position, speed: f32::from_bits(speed), is_at_rest };
             let rotor = Rotor { position: at >> 20, angle: servo::Angle::from_bits(angle), speed: f32::from_bits(other) };
-            let field = stepper.run(&demand, &rotor);
+            let field = stepper.run(&demand, &rotor, f32::INFINITY);
             prop_assert!(field.current > 0.0 && field.current <= CONFIG.current);
             prop_assert!(field.angle.minus(rotor.angle).turns().abs() * 4.0 <= bound + 1e-3);
             prop_assert!(field.lead.abs() <= bound + 1e-3);

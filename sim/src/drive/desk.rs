@@ -2,7 +2,7 @@
 
 use canopen::od::{self, Dictionary};
 
-use crate::plant::{Found, Request, ServoMotor, ServoSettings};
+use crate::plant::{Found, Request, ServoMotor, ServoSettings, StepperSettings};
 
 /// What was seen and shown last.
 #[derive(Debug, Default)]
@@ -14,6 +14,7 @@ pub struct Desk {
 impl Desk {
     /// Hands on what masters have written.
     pub(super) fn read<D: Dictionary>(&mut self, dictionary: &D, servo: &mut ServoMotor) {
+        let byte = |index, sub| od::read_u8(dictionary, index, sub).unwrap_or(0);
         let word = |index, sub| od::read_u16(dictionary, index, sub).unwrap_or(0);
         let long = |index, sub| od::read_u32(dictionary, index, sub).unwrap_or(0);
         servo.set_up(&ServoSettings {
@@ -21,8 +22,17 @@ impl Desk {
             gains: [word(0x60F9, 1), word(0x60F9, 2), word(0x60FB, 1)],
             share: word(0x60F6, 1),
             filters: [1, 2, 3, 4].map(|sub| word(0x20C3, sub)),
+            stepper: StepperSettings {
+                way: byte(0x20C4, 1),
+                bound: word(0x20C4, 2),
+                speed: word(0x20C4, 3),
+                current: word(0x20C4, 4),
+                at_rest: word(0x20C4, 5),
+                fall: word(0x20C4, 6),
+            },
+            blocked: (word(0x20C5, 1), word(0x20C5, 2)),
         });
-        let command = od::read_u8(dictionary, 0x20C0, 1).unwrap_or(0);
+        let command = byte(0x20C0, 1);
         if command == std::mem::replace(&mut self.command, command) {
             return;
         }
@@ -42,6 +52,11 @@ impl Desk {
             },
             _ => Request::End,
         });
+    }
+
+    /// The lead of a stepper's field.
+    pub(super) fn show_lead<D: Dictionary>(dictionary: &mut D, servo: &ServoMotor) {
+        od::write_u16(dictionary, 0x20C4, 7, servo.lead());
     }
 
     /// What there is to show, if it is not what was shown last.

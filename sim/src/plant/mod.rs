@@ -20,7 +20,7 @@ pub use axis_file::Axis;
 pub use contact::{Sensed, Switch};
 pub use motor::{Heat, Load, MotorData, SupplyChange, SupplyData};
 pub use pulses::{PulsePlayer, Pulses};
-pub use servo::{AXES, Found, Request, ServoAxisData, ServoMotor, ServoSettings};
+pub use servo::{AXES, Found, Request, ServoAxisData, ServoMotor, ServoSettings, StepperSettings};
 pub use track::{Index, SwitchStates, Track, WIRES};
 
 use brake::Brake;
@@ -344,9 +344,8 @@ impl Plant {
     /// How far the position may be from where the pulses lead while the motor is held, in pulses: an encoder shows the play of
     /// a real motor in its field.
     pub fn slack(&self) -> u32 {
-        if self.servo.is_some() {
-            // Its following error tells.
-            i32::MAX.unsigned_abs()
+        if let Some(servo) = &self.servo {
+            servo.slack()
         } else if self.encoder && self.motor.is_some() {
             Motor::slack(self.pulses_of_full_step())
         } else {

@@ -21,8 +21,8 @@ use crate::plant::pulses::Ordered;
 use cia402::{ServoGoal, ServoReport};
 use measurement::{Ending, Measurement};
 pub use measurement::{Found, Request};
-pub use settings::ServoSettings;
 use settings::loops;
+pub use settings::{ServoSettings, StepperSettings};
 
 /// A period of the modulation, in microseconds.
 const PERIOD: u64 = 50;
@@ -374,6 +374,24 @@ impl ServoMotor {
             current: micro(report.current, 1e3),
             is_limited: report.is_limited,
             wants_free: self.wants_free(),
+        }
+    }
+
+    /// The lead of a stepper's field in hundredths of a full step.
+    pub fn lead(&self) -> u16 {
+        let lead = self.control.report(&self.interrupt).lead;
+        (lead.abs() * 100.0).round() as u16
+    }
+
+    /// How far the rotor may be from where it is held at rest, in counts: a stepper that is only supervised has no more than its field, and loses
+    /// four full steps at a time. Of anything else its following error tells.
+    pub fn slack(&self) -> u32 {
+        let supervised = self.settings.stepper.way == 1;
+        let four_steps = self.motor.counts / u32::from(self.motor.pole_pairs);
+        if supervised {
+            four_steps * 5 / 8
+        } else {
+            i32::MAX.unsigned_abs()
         }
     }
 

@@ -17,7 +17,7 @@
 //! | not begun, interrupted | 0 | 0 | 1 at rest |
 //! | home position known from before, when the mode is entered | 0 | 1 | 1 at rest |
 //! | from the tick that takes the edge | 0 | 0 | 0; during halt 1 at rest |
-//! | attained | 0 | 1 | 1 |
+//! | attained | 0 | 1 | 1 at rest, and not while a limit of the torque keeps the motor from there |
 //! | failed | 1 | 0 | 1 at rest |
 
 use motion::homing::{self as engine, Failure, Fitted, Method, Order, Outcome, Seen};
@@ -233,6 +233,7 @@ impl Homing {
                     bits
                 }
             }
+            Progress::Attained if context.motor.is_held_back() => HOMING_ATTAINED,
             Progress::Attained => HOMING_ATTAINED | at_rest,
             Progress::Failed => HOMING_ERROR | at_rest,
         }

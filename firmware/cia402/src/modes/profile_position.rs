@@ -413,7 +413,7 @@ impl ProfilePosition {
             return false;
         }
         if window == WINDOW_OFF {
-            return self.progress == Progress::Done;
+            return self.progress == Progress::Done && !context.motor.is_held_back();
         }
         is_inside
     }

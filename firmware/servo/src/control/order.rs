@@ -57,6 +57,8 @@ pub struct Report {
     pub velocity: f32,
     /// Less was done than was wanted: a limit of the torque.
     pub is_limited: bool,
+    /// By how many full steps the field of a stepper is to lead the rotor; 0 where none does.
+    pub lead: f32,
     /// The heat has come near its bound.
     pub is_hot: bool,
 }

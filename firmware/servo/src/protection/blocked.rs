@@ -1,36 +1,45 @@
-//! A rotor that does not turn though much is asked of it: a current above a bound and a speed below another, for a time without a break.
+//! A rotor that does not turn though it is pushed as hard as may be: a speed below a bound, for a time without a break.
 
 use crate::motor::Implausible;
-use crate::number::is_within;
+use crate::number::{between, is_within};
 
 /// See the module.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Blocked {
-    current: f32,
     speed: f32,
     periods: u32,
     seen: u32,
 }
 
 impl Blocked {
-    /// Above a current in A and below a speed in rad/s for so many periods.
+    /// Below a speed in rad/s for a time in s, of periods in s. A time of 0 is for ever.
     ///
     /// # Errors
-    /// With a current or a speed outside 0 to 10 kA and 10⁴ rad/s, or no period.
-    pub fn new(current: f32, speed: f32, periods: u32) -> Result<Self, Implausible> {
-        let is_one = is_within(current, 0.0, 1e4) && is_within(speed, 0.0, 1e4) && periods > 0;
+    /// With a speed outside 0 to 10⁴ rad/s, a time outside 0 to 1,000 s, or a period outside 5 µs to 10 ms.
+    pub fn new(speed: f32, time: f32, period: f32) -> Result<Self, Implausible> {
+        let is_one = is_within(speed, 0.0, 1e4)
+            && is_within(time, 0.0, 1e3)
+            && is_within(period, 5e-6, 10e-3);
         let blocked = Self {
-            current,
             speed,
-            periods,
+            periods: if time > 0.0 {
+                between(time / period, 1.0, 1e9) as u32
+            } else {
+                u32::MAX
+            },
             seen: 0,
         };
         is_one.then_some(blocked).ok_or(Implausible)
     }
 
-    /// A period with this current and speed has passed. Gives whether the rotor is blocked.
-    pub fn run(&mut self, current: f32, speed: f32) -> bool {
-        if current.abs() > self.current && speed.abs() < self.speed {
+    /// Nothing has been seen yet.
+    pub fn restart(&mut self) {
+        self.seen = 0;
+    }
+
+    /// A period with this speed has passed, in which the rotor was pushed, or not. Gives whether it is blocked.
+    pub fn run(&mut self, is_pushed: bool, speed: f32) -> bool {
+        if is_pushed && speed.abs() < self.speed && self.periods < u32::MAX {
             self.seen = self.seen.saturating_add(1);
         } else {
             self.seen = 0;
@@ -45,18 +54,20 @@ mod tests {
 
     #[test]
     fn only_without_a_break() {
-        let mut blocked = Blocked::new(4.0, 1.0, 3).unwrap();
         let seen = [
-            (5.0, 0.0),
-            (5.0, 0.5),
-            (5.0, 2.0),
-            (-5.0, 0.0),
-            (5.0, -0.5),
-            (5.0, 0.0),
-            (4.0, 0.0),
-        ]
-        .map(|(current, speed)| blocked.run(current, speed));
-        assert_eq!(seen, [false, false, false, false, false, true, false]);
-        assert!(Blocked::new(4.0, 1.0, 0).is_err());
+            (true, 0.0),
+            (true, 0.5),
+            (true, 2.0),
+            (true, 0.0),
+            (true, -0.5),
+            (true, 0.0),
+            (false, 0.0),
+        ];
+        let mut blocked = Blocked::new(1.0, 3e-3, 1e-3).unwrap();
+        let found = seen.map(|(is_pushed, speed)| blocked.run(is_pushed, speed));
+        assert_eq!(found, [false, false, false, false, false, true, false]);
+        let mut never = Blocked::new(1.0, 0.0, 1e-3).unwrap();
+        assert!(seen.iter().all(|_| !never.run(true, 0.0)));
+        assert!(Blocked::new(1.0, -1.0, 1e-3).is_err());
     }
 }

@@ -140,6 +140,7 @@ impl ServoMotor {
     pub fn set_up(&mut self, settings: &ServoSettings) {
         let gains = ServoSettings {
             motor: self.settings.motor,
+            stepper: self.settings.stepper,
             ..*settings
         };
         if gains != self.settings {
@@ -153,6 +154,12 @@ impl ServoMotor {
             let own = CurrentConfig::quick(&self.motor, SECONDS, 1.0, (1.0, 1.0)).share;
             let share = gains.share().unwrap_or(own);
             let _ = self.interrupt.current.set_share(share);
+            let _ = self.control.set_blocked(gains.blocked());
+        }
+        if settings.stepper != self.settings.stepper && !self.is_on {
+            self.settings.stepper = settings.stepper;
+            let config = settings.stepper.config(&self.data, &self.motor);
+            let _ = self.control.set_stepper(config);
         }
         if settings.motor != self.settings.motor && !self.is_on {
             self.settings = *settings;

@@ -7,12 +7,13 @@ use servo::filter::Filter;
 use servo::modulation::Modulation;
 use servo::motor::Implausible;
 use servo::protection::{Bus, Derating};
+use servo::stepper::{Beyond, StepperConfig};
 use servo::{Control, CurrentLoop, Motor};
 
 use super::{CONTROL, SECONDS, ServoAxisData};
 
 /// The motor and its loops as the objects say it; 0 is what the axis has.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ServoSettings {
     /// 20C2h: in µΩ, nH along and across, nV·s, g·mm², µN·m.
     pub motor: [u32; 6],
@@ -22,6 +23,62 @@ pub struct ServoSettings {
     pub share: u16,
     /// 20C3h: the low-pass in Hz and its quality in thousandths, the notch likewise.
     pub filters: [u16; 4],
+    /// 20C4h.
+    pub stepper: StepperSettings,
+    /// 20C5h: time in ms and speed in 1/min.
+    pub blocked: (u16, u16),
+}
+
+impl Default for ServoSettings {
+    fn default() -> Self {
+        Self {
+            motor: [0; 6],
+            gains: [0; 3],
+            share: 0,
+            filters: [0; 4],
+            stepper: StepperSettings::default(),
+            blocked: (500, 10),
+        }
+    }
+}
+
+/// 20C4h:1 to 6; a way of 0 is none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct StepperSettings {
+    /// 1 supervised, 2 made up at rest, 3 made up at once.
+    pub way: u8,
+    /// Hundredths of a full step.
+    pub bound: u16,
+    /// Full steps/s.
+    pub speed: u16,
+    /// Thousandths of 6075h.
+    pub current: u16,
+    /// Thousandths of that.
+    pub at_rest: u16,
+    /// In ms.
+    pub fall: u16,
+}
+
+impl StepperSettings {
+    /// `None` for the loops.
+    pub(super) fn config(&self, data: &ServoAxisData, motor: &Motor) -> Option<StepperConfig> {
+        let beyond = match self.way {
+            1 => Beyond::Told,
+            2 => Beyond::MadeUpAtRest,
+            3 => Beyond::MadeUpAtOnce,
+            _ => return None,
+        };
+        let current = f32::from(self.current) * 1e-3 * motor.rated_current;
+        Some(StepperConfig {
+            beyond,
+            bound: f32::from(self.bound) * 1e-2,
+            speed: self.speed.into(),
+            most_speed: data.speed as f32 / 60.0 * 4.0 * f32::from(motor.pole_pairs),
+            current: current.min(motor.peak_current),
+            at_rest: f32::from(self.at_rest) * 1e-3,
+            fall: f32::from(self.fall) * 1e-3,
+        })
+    }
 }
 
 impl ServoSettings {
@@ -74,6 +131,13 @@ impl ServoSettings {
         )
     }
 
+    /// Speed in rad/s and time in s.
+    pub(super) fn blocked(&self) -> (f32, f32) {
+        let (time, speed) = self.blocked;
+        let turns = f32::from(speed) / 60.0;
+        (turns * std::f32::consts::TAU, f32::from(time) * 1e-3)
+    }
+
     /// `None` is that of the loop.
     pub(super) fn share(&self) -> Option<f32> {
         (self.share > 0).then(|| f32::from(self.share) * 1e-3)
@@ -122,10 +186,12 @@ pub(super) fn loops(
         stage: data.stage,
         bus: Bus::new(1.03 * voltage, 1.05 * voltage, 1.2 * voltage)?,
         derating: derating().ok_or(Implausible)?,
-        blocked: 0.5,
+        blocked: settings.blocked(),
         most_speed: speed(data) * 1.2,
     };
     let mut control = Control::new(motor, control)?;
+    // What cannot be leaves the loops.
+    let _ = control.set_stepper(settings.stepper.config(data, motor));
     let (low_pass, notch) = settings.filters();
     control.set_filters(low_pass, notch);
     Ok((

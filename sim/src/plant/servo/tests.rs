@@ -1,5 +1,7 @@
 //! Something breaks at a random moment of a random motion: the motor has no current then, soon, and never had too much of it.
 
+mod profiles;
+
 use cia402::{ServoGoal, ServoOrder};
 use motion::{SignedSpeed, Speed};
 
@@ -54,6 +56,16 @@ struct Rig {
     most: f64,
 }
 
+/// A stepper as it is by itself.
+const STEPPER: StepperSettings = StepperSettings {
+    way: 0,
+    bound: 150,
+    speed: 1_000,
+    current: 1_000,
+    at_rest: 400,
+    fall: 50,
+};
+
 /// A refill, in microseconds.
 const REFILL: u64 = 250;
 
@@ -68,6 +80,18 @@ impl Rig {
             position: 0.0,
             most: 0.0,
         }
+    }
+
+    /// The same with a stepper that is held so.
+    fn stepper(data: ServoAxisData, seed: u64, stepper: StepperSettings) -> Self {
+        let mut rig = Self::new(data, seed);
+        rig.servo.energise(false);
+        rig.servo.set_up(&ServoSettings {
+            stepper,
+            ..ServoSettings::default()
+        });
+        rig.servo.energise(true);
+        rig
     }
 
     /// For so long towards a velocity, on a ramp of a tenth of a second.
@@ -120,14 +144,23 @@ fn whatever_breaks_ends_the_current_and_the_motion() {
     };
     for moment in 0..moments() {
         let data = AXES[(moment % 4) as usize];
-        let mut rig = Rig::new(data, moment);
+        // Steppers in each of their ways. A field that is only supervised turns on past a rotor that is held: that is a following error.
+        let way = match (moment / 24 % 4, data.plant.motor.phases) {
+            (_, Phases::Three) => 0,
+            (1, _) if (moment / 4) % 6 == 5 => 3,
+            (way, _) => way as u8,
+        };
+        let mut rig = Rig::stepper(data, moment, StepperSettings { way, ..STEPPER });
         let fastest = f64::from(data.speed) / 60.0 * f64::from(data.plant.sensors.counts);
         let sign = if random(-1.0, 1.0) < 0.0 { -1.0 } else { 1.0 };
         let wanted = sign * fastest * random(0.15, 0.7);
         let load = f64::from(rig.servo.motor.rated_torque()) * random(0.05, 0.4);
         rig.servo.plant.load_brake = load;
         rig.run(random(0.005, 0.25), wanted);
-        assert_eq!(rig.servo.fault, None, "{moment}: nothing is broken yet");
+        assert_eq!(
+            rig.servo.fault, None,
+            "{moment}, way {way}: nothing is broken yet"
+        );
         let breaks = match (moment / 4) % 6 {
             0 => Breaks::Supply,
             1 => Breaks::Encoder,
@@ -151,7 +184,7 @@ fn whatever_breaks_ends_the_current_and_the_motion() {
             rig.run(0.005, wanted);
             waited += 0.005;
         }
-        let what = format!("moment {moment}, {}, {breaks:?}", data.name);
+        let what = format!("moment {moment}, {}, way {way}, {breaks:?}", data.name);
         let fault = rig
             .servo
             .fault
@@ -176,5 +209,8 @@ fn whatever_breaks_ends_the_current_and_the_motion() {
             end <= begin && (end < begin || begin < 0.5),
             "{what}: {begin} {end}"
         );
+        if (moment + 1) % 1_000 == 0 {
+            println!("{} moments, and each has its fault", moment + 1);
+        }
     }
 }

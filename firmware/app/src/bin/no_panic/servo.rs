@@ -196,7 +196,7 @@ fn above(motor: &Motor) -> Result<(), Implausible> {
     let mut thermal = Thermal::new(number(), number(), number(), number())?;
     let mut bus = Bus::new(number(), number(), number())?;
     let derating = Derating::new(number(), number())?;
-    let mut blocked = Blocked::new(number(), number(), any())?;
+    let mut blocked = Blocked::new(number(), number(), number())?;
     let mut loss = PhaseLoss::new(motor.wiring, number(), number(), number())?;
     while any() != 0 {
         let demand = Demand {
@@ -229,7 +229,7 @@ fn above(motor: &Motor) -> Result<(), Implausible> {
             4 => show(thermal.run(number()) + thermal.share()),
             5 => look(bus.run(number()).into()),
             6 => show(bus.braking(number()) + derating.share(number())),
-            7 => look(blocked.run(number(), number()).into()),
+            7 => look(blocked.run(any() == 0, number()).into()),
             _ => look(loss.run(numbers(), numbers()).unwrap_or(9) as u32),
         }
         look(cascade.is_limited().into());
@@ -248,13 +248,17 @@ fn ordered(motor: &Motor, interrupt: &mut CurrentInterrupt) -> Result<(), Implau
         stage: (number(), number()),
         bus: Bus::new(number(), number(), number())?,
         derating: Derating::new(number(), number())?,
-        blocked: number(),
+        blocked: (number(), number()),
         most_speed: number(),
     };
     let mut control = Control::new(motor, config)?;
     while any() != 0 {
         if any() == 0 {
             control.start();
+        }
+        if any() == 0 {
+            control.set_blocked((number(), number()))?;
+            control.set_stepper((any() == 0).then(stepper_config))?;
         }
         if any() == 0 {
             let low_pass = Filter::first_low_pass(number(), number())?;
@@ -289,16 +293,14 @@ fn ordered(motor: &Motor, interrupt: &mut CurrentInterrupt) -> Result<(), Implau
             Err(fault) => look(fault as u32),
         }
         let report = control.report(interrupt);
-        show(report.torque + report.current + report.velocity + report.demand);
+        show(report.torque + report.current + report.velocity + report.demand + report.lead);
         look((report.is_limited | report.is_hot).into());
     }
     Ok(())
 }
 
-/// A stepper in closed loop.
-#[inline(never)]
-fn field(motor: &Motor) -> Result<(), Implausible> {
-    let config = StepperConfig {
+fn stepper_config() -> StepperConfig {
+    StepperConfig {
         beyond: match any() {
             0 => Beyond::Told,
             1 => Beyond::MadeUpAtRest,
@@ -306,11 +308,17 @@ fn field(motor: &Motor) -> Result<(), Implausible> {
         },
         bound: number(),
         speed: number(),
+        most_speed: number(),
         current: number(),
         at_rest: number(),
         fall: number(),
-    };
-    let mut stepper = Stepper::new(motor, config, number())?;
+    }
+}
+
+/// A stepper in closed loop.
+#[inline(never)]
+fn field(motor: &Motor) -> Result<(), Implausible> {
+    let mut stepper = Stepper::new(motor, stepper_config(), number())?;
     while any() != 0 {
         if any() == 0 {
             stepper.reset();
@@ -325,7 +333,12 @@ fn field(motor: &Motor) -> Result<(), Implausible> {
             angle: angle(),
             speed: number(),
         };
-        let field = stepper.run(&demand, &rotor);
+        if any() == 0 {
+            stepper.take_over(number(), &demand, &rotor);
+        }
+        let field = stepper.run(&demand, &rotor, number());
+        look(stepper.is_held_back().into());
+        show(stepper.lead());
         look(field.angle.bits() ^ stepper.behind() as u32 ^ u32::from(field.is_beyond));
         show(field.current + field.lead + field.seen_from(angle()).q);
     }

@@ -1,0 +1,122 @@
+//! What cannot go on: each period what is seen of the motor is held against what it should do.
+
+use super::{ControlConfig, Fault, Seen};
+use crate::interrupt::CurrentInterrupt;
+use crate::motor::{Implausible, Motor};
+use crate::number::{between, fade, is_within, root};
+use crate::protection::{Blocked, PhaseLoss};
+use crate::transform::{Rotor, Stator};
+
+/// The share of the rated voltage of the winding above which what the model does not know is an encoder that is wrong.
+const UNKNOWN: f32 = 0.35;
+
+/// How long what the model does not know is borne, in s.
+const ASTRAY: f32 = 5e-3;
+
+/// The share of the rated current that the currents of the phases may add up to, and for how long, in s.
+const ADDED_UP: (f32, f32) = (0.2, 2e-3);
+
+/// See the module.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Watch {
+    motor: Motor,
+    period: f32,
+    most_speed: f32,
+    blocked: Blocked,
+    phase_loss: PhaseLoss,
+    /// How long the model has not known what it sees, in s.
+    astray: f32,
+    /// How long the currents of the phases have not added up to nothing, in s.
+    unequal: f32,
+    /// What the current loop has had the time to reach of what was asked of it.
+    due: Rotor,
+}
+
+impl Watch {
+    /// # Errors
+    /// With what [`Blocked::new`] and [`PhaseLoss::new`] refuse, or a greatest speed outside 1 to 10⁴ rad/s.
+    pub(super) fn new(motor: &Motor, config: &ControlConfig) -> Result<Self, Implausible> {
+        let (period, rated) = (config.period, motor.rated_current);
+        let least = between(0.02 * rated, 1e-3, rated);
+        let (speed, time) = config.blocked;
+        let watch = Self {
+            motor: *motor,
+            period,
+            most_speed: config.most_speed,
+            blocked: Blocked::new(speed, time, period)?,
+            phase_loss: PhaseLoss::new(motor.wiring, least, 0.02, period)?,
+            astray: 0.0,
+            unequal: 0.0,
+            due: Rotor::ZERO,
+        };
+        let is_one = is_within(config.most_speed, 1.0, 1e4);
+        is_one.then_some(watch).ok_or(Implausible)
+    }
+
+    /// The gates are about to be on.
+    pub(super) fn start(&mut self) {
+        self.astray = 0.0;
+        self.unequal = 0.0;
+        self.due = Rotor::ZERO;
+        self.blocked.restart();
+    }
+
+    pub(super) fn set_blocked(
+        &mut self,
+        (speed, time): (f32, f32),
+        period: f32,
+    ) -> Result<(), Implausible> {
+        self.blocked = Blocked::new(speed, time, period)?;
+        Ok(())
+    }
+
+    /// A period.
+    pub(super) fn run(
+        &mut self,
+        interrupt: &CurrentInterrupt,
+        seen: &Seen,
+        is_fed: bool,
+        pushes: bool,
+        velocity: f32,
+    ) -> Option<Fault> {
+        let current = interrupt.current.current();
+        if !is_within(velocity.abs(), 0.0, self.most_speed) {
+            return Some(Fault::OverSpeed);
+        }
+        let angle = interrupt.observer.angle().sine_cosine();
+        let asked = interrupt.current.demand();
+        let keeps = fade(interrupt.current.rate(), self.period);
+        self.due = Rotor {
+            d: asked.d + keeps * (self.due.d - asked.d),
+            q: asked.q + keeps * (self.due.q - asked.q),
+        };
+        let asked = self.due.beside_stator(angle);
+        let carried = current.beside_stator(angle);
+        let phases = |stator: Stator| stator.phases(self.motor.wiring);
+        let (share, time) = ADDED_UP;
+        if is_within(seen.sum.abs(), 0.0, share * self.motor.rated_current) {
+            self.unequal = 0.0;
+        } else {
+            self.unequal += self.period;
+        }
+        if self.unequal > time {
+            return Some(Fault::CurrentSensor);
+        }
+        if is_fed && (self.phase_loss.run(phases(asked), phases(carried))).is_some() {
+            return Some(Fault::PhaseLost);
+        }
+        // A magnet that turns where the encoder stands drives what the model does not know.
+        let unknown = root(interrupt.current.unknown().square());
+        let known = self.motor.resistance * self.motor.rated_current + 0.03 * seen.bus;
+        let is_astray = unknown > known + UNKNOWN * self.motor.resistance * root(current.square());
+        self.astray = if is_astray {
+            self.astray + self.period
+        } else {
+            0.0
+        };
+        if self.astray > ASTRAY {
+            return Some(Fault::Encoder);
+        }
+        self.blocked.run(pushes, velocity).then_some(Fault::Blocked)
+    }
+}
