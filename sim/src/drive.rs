@@ -3,7 +3,6 @@
 //! It hosts the runtime as the tasks of the firmware do: a control tick each millisecond, a refill of the pulses each quarter of one, and
 //! the node behind each tick, each frame and at its deadlines. It is a [`Station`], so any bus can carry it.
 
-mod desk;
 mod ports;
 mod setup;
 
@@ -19,13 +18,13 @@ use cia402::{
     Actuals, Actuator, AtPort, Device, DriveConfig, Exchange, Objects, ServoAxis, StepAxis,
 };
 use motion::{AxisConfig, Clock, DriverTiming};
+use runtime::servo::Desk;
 use runtime::{Control, Controller as _, Node, PowerUp, Stamped};
 
 use crate::flash::Flash;
 use crate::machine::{Machine, machine};
 use crate::plant::{Plant, PulsePlayer, STEP_CLOCK_HZ};
 use crate::settings::FactoryStore;
-use desk::Desk;
 use master::bus::Station;
 use ports::{Controller, Received, Slot, Tasks};
 
@@ -220,12 +219,14 @@ impl<D: Dictionary + Objects + Default, A: Moving> VirtualDrive<D, A> {
         let Some(servo) = self.plant.servo_mut() else {
             return;
         };
-        self.desk
-            .read(self.node.device().node().dictionary(), servo);
-        Desk::show_lead(self.node.dictionary_mut(), servo);
-        if let Some(found) = self.desk.news(servo) {
-            self.desk.show(self.node.dictionary_mut(), &found);
+        let loops = servo.loops_mut();
+        let (settings, request) = self.desk.read(self.node.device().node().dictionary());
+        loops.set_up(&settings);
+        if let Some(request) = request {
+            loops.request(request);
         }
+        self.desk.show(self.node.dictionary_mut(), loops.found());
+        Desk::show_lead(self.node.dictionary_mut(), loops.lead());
     }
 
     /// Lets the node do what there is to do. Returns when it wants to run again.

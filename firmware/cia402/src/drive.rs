@@ -113,12 +113,12 @@ impl<D: Objects, L: EmitterLock> Drive<D, StepAxis<L>> {
     }
 }
 
-impl<D: Objects> Drive<D, ServoAxis> {
-    /// A drive with a servo axis. What the step generator of `config` is, decides how finely the path is known: a step is a count of the encoder.
+impl<D: Objects, L: EmitterLock> Drive<D, ServoAxis<L>> {
+    /// A drive with a servo axis and its emitter. What the step generator of `config` is, decides how finely the path is known: a step is a count of the encoder.
     #[inline]
-    pub fn servo(config: DriveConfig) -> Self {
-        let lead = StepAxis::<Emitter>::lead(config);
-        let axis = || ServoAxis::new(config, || Emitter::new(config));
+    pub fn servo(config: DriveConfig, emitter: impl FnOnce() -> L) -> Self {
+        let lead = StepAxis::<L>::lead(config);
+        let axis = || ServoAxis::new(config, emitter);
         Self::with_actuator(axis, lead, config.tick)
     }
 }

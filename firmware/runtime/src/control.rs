@@ -72,9 +72,16 @@ impl<D: Objects, M: Deref<Target = Memory>, L: EmitterLock> Control<D, M, StepAx
 
 impl<D: Objects, M: Deref<Target = Memory>> Control<D, M, ServoAxis> {
     /// A drive whose motor is moved by its current, without power.
-    #[inline(never)]
     pub fn servo(config: DriveConfig, scope: M) -> Self {
-        Self::with_drive(config, scope, || Drive::servo(config))
+        Self::servo_with_emitter(config, scope, || Emitter::new(config))
+    }
+}
+
+impl<D: Objects, M: Deref<Target = Memory>, L: EmitterLock> Control<D, M, ServoAxis<L>> {
+    /// The same with an emitter that others than a tick may look at.
+    #[inline(never)]
+    pub fn servo_with_emitter(config: DriveConfig, scope: M, emitter: impl FnOnce() -> L) -> Self {
+        Self::with_drive(config, scope, || Drive::servo(config, emitter))
     }
 }
 

@@ -8,6 +8,7 @@
 //! | [`Panel`] | the lights | [`Lights`] |
 //! | [`Machine`] | user memory and scope data | room for them |
 //! | [`inbox`] | frames on their way from an interrupt | |
+//! | [`servo`] | the loops of a motor that is moved by its current | counts of the converter and the encoder |
 //!
 //! The contract:
 //! - A host calls [`Control::tick`] each nominal period, or when the last tick said; [`Control::refill`] as often as
@@ -42,6 +43,7 @@ mod indicator;
 mod machine;
 mod node;
 mod ports;
+pub mod servo;
 mod settings;
 
 pub use control::Control;

@@ -244,6 +244,11 @@ impl Control {
         self.config.bus.run(bus)
     }
 
+    /// The share of the time for which a brake chopper is to be on, as [`Bus::chopping`].
+    pub fn chopping(&self, bus: f32) -> f32 {
+        self.config.bus.chopping(bus)
+    }
+
     /// Ends everything: the gates are to be off.
     pub fn fail(&mut self, fault: Fault) {
         self.fault.get_or_insert(fault);

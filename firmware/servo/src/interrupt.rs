@@ -3,13 +3,13 @@
 //! It is called in the middle of the pulses, above everything but a fault. What it shares with the control is one order: a current, and in how many
 //! periods it is to be reached, evenly; so a control of a lower rate makes no steps of torque.
 
-use crate::CurrentLoop;
 use crate::current_loop::{Sample, Trip};
 use crate::feedback::{Incremental, Observer};
 use crate::motor::Implausible;
 use crate::number::is_within;
 use crate::offsets::CurrentSense;
 use crate::transform::Rotor;
+use crate::{Angle, CurrentLoop};
 
 /// What is measured at a period, as it is read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -99,6 +99,20 @@ impl CurrentInterrupt {
             speed: self.observer.speed(),
         };
         self.current.run(&sample, self.demand)
+    }
+
+    /// A period in which the field stands at an angle with a current along it, in A, wherever the rotor is. Encoder and observer are left alone.
+    ///
+    /// # Errors
+    /// As [`CurrentInterrupt::run`].
+    pub fn hold(&mut self, counts: &Counts, angle: Angle, current: f32) -> Result<[f32; 3], Trip> {
+        let sample = Sample {
+            currents: self.sense.amperes(counts.currents),
+            bus: f32::from(counts.bus) * self.bus,
+            angle,
+            speed: 0.0,
+        };
+        self.current.run(&sample, Rotor { d: current, q: 0.0 })
     }
 }
 

@@ -40,6 +40,7 @@ pub mod motor;
 pub mod number;
 pub mod offsets;
 pub mod protection;
+pub mod stage;
 pub mod stepper;
 pub mod transform;
 pub mod tuning;

@@ -20,7 +20,7 @@ pub use axis_file::Axis;
 pub use contact::{Sensed, Switch};
 pub use motor::{Heat, Load, MotorData, SupplyChange, SupplyData};
 pub use pulses::{PulsePlayer, Pulses};
-pub use servo::{AXES, Found, Request, ServoAxisData, ServoMotor, ServoSettings, StepperSettings};
+pub use servo::{AXES, ServoAxisData, ServoMotor};
 pub use track::{Index, SwitchStates, Track, WIRES};
 
 use brake::Brake;

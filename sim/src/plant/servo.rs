@@ -3,35 +3,23 @@
 //! Time goes on in periods of the modulation. A sample in the middle of the pulses, what the converter makes of it, the current interrupt, and its widths half a period later; the
 //! control each [`CONTROL`] periods. Where the magnet is, is known from the beginning, as from an absolute encoder.
 
-mod measurement;
-mod settings;
-
 use motion::Ticks;
-use servo::control::{Fault, Goal, Order, Seen};
-use servo::feedback::{Incremental, Observer};
+use runtime::servo::{Loops, ServoData, StageData, error_code};
+use servo::control::Fault;
 use servo::interrupt::Counts;
-use servo::offsets::CurrentSense;
-use servo::transform::Rotor;
-use servo::{Angle, Control, CurrentInterrupt, Motor, Wiring};
+use servo::{Angle, Motor, Wiring};
 use servo_plant::data::{Phases, PlantData};
 use servo_plant::{Gates, Plant, axes};
 
 use super::STEP_CLOCK_HZ;
 use crate::plant::pulses::Ordered;
-use cia402::{ServoGoal, ServoReport};
-use measurement::{Ending, Measurement};
-pub use measurement::{Found, Request};
-use settings::loops;
-pub use settings::{ServoSettings, StepperSettings};
+use cia402::ServoReport;
 
 /// A period of the modulation, in microseconds.
 const PERIOD: u64 = 50;
 
-/// The same in s.
-const SECONDS: f32 = PERIOD as f32 * 1e-6;
-
 /// Periods of the modulation in one of the control.
-const CONTROL: u64 = 5;
+const CONTROL: u8 = 5;
 
 /// Steps of the plant in half a period.
 const HALF: u32 = 5;
@@ -120,6 +108,34 @@ impl ServoAxisData {
         }
     }
 
+    /// Motor and stage as the loops know them.
+    fn loops(&self) -> ServoData {
+        let stage = &self.plant.stage;
+        ServoData {
+            motor: self.motor(),
+            friction: self.plant.motor.coulomb_friction as f32,
+            bandwidth: self.bandwidth,
+            speed: self.speed,
+            stage: StageData {
+                period: PERIOD as f32 * 1e-6,
+                control: CONTROL,
+                voltage: self.plant.supply.voltage as f32,
+                dead_time: (stage.dead_time / stage.period) as f32,
+                ripple: stage.ripple as f32,
+                reach: 0.96,
+                current: self.scale(),
+                middle: (MIDDLE, 100),
+                bus: BUS,
+                bears: self.stage,
+            },
+        }
+    }
+
+    /// Amperes of a count.
+    fn scale(&self) -> f32 {
+        2.5 * self.peak_current / f32::from(MIDDLE)
+    }
+
     /// The rated torque in mN·m, 6076h.
     pub fn rated_torque(&self) -> u32 {
         (self.motor().rated_torque() * 1e3).round() as u32
@@ -129,58 +145,28 @@ impl ServoAxisData {
 /// The motor at work.
 #[derive(Clone, Debug)]
 pub struct ServoMotor {
-    data: ServoAxisData,
     plant: Plant,
-    motor: Motor,
-    interrupt: CurrentInterrupt,
-    control: Control,
+    loops: Loops,
     /// Amperes of a count.
     scale: f32,
     /// Microseconds up to which it has run, and the periods in them.
     time: u64,
     periods: u64,
-    is_on: bool,
-    /// The order that the control has.
-    taken: Option<Ordered>,
-    fault: Option<Fault>,
-    settings: ServoSettings,
-    measurement: Measurement,
 }
 
 impl ServoMotor {
     /// At rest, with an encoder at 0.
     pub fn new(data: &ServoAxisData, seed: u64) -> Self {
-        let motor = data.motor();
         let mut plant = Plant::new(data.plant, seed);
-        let scale = 2.5 * data.peak_current / f32::from(MIDDLE);
-        let known = "the axes are plausible";
-        let mut encoder = Incremental::new(&motor, plant.measure().count as u16, 2);
-        encoder.set_angle(angle(plant.electrical_angle()));
-        let mut observer = Observer::new(3_000.0, SECONDS).expect(known);
-        observer.stand_at(encoder.angle());
-        let settings = ServoSettings::default();
-        let (current, control) = loops(data, &motor, &settings).expect(known);
+        let timer = plant.measure().count as u16;
+        let magnet = angle(plant.electrical_angle());
+        let loops = Loops::new(&data.loops(), timer, Some(magnet));
         Self {
-            data: *data,
-            interrupt: CurrentInterrupt::new(
-                CurrentSense::new(scale, MIDDLE, 100).expect(known),
-                encoder,
-                observer,
-                current,
-                BUS,
-            )
-            .expect(known),
-            control,
             plant,
-            motor,
-            scale,
+            loops: loops.expect("the axes are plausible"),
+            scale: data.scale(),
             time: 0,
             periods: 0,
-            is_on: false,
-            taken: None,
-            fault: None,
-            settings,
-            measurement: Measurement::default(),
         }
     }
 
@@ -194,14 +180,19 @@ impl ServoMotor {
         &self.plant
     }
 
-    /// The motor as its loops know it.
-    pub fn motor(&self) -> &Motor {
-        &self.motor
+    /// The loops, to set them up or to have them measure the motor.
+    pub fn loops_mut(&mut self) -> &mut Loops {
+        &mut self.loops
+    }
+
+    /// The loops.
+    pub fn loops(&self) -> &Loops {
+        &self.loops
     }
 
     /// Of the encoder, from where it began.
     pub fn position(&self) -> i64 {
-        self.interrupt.encoder.position()
+        self.loops.position()
     }
 
     /// The bus in mV.
@@ -211,59 +202,38 @@ impl ServoMotor {
 
     /// Whether the loops may put current into the motor.
     pub fn energise(&mut self, on: bool) {
-        if on == self.is_on {
-            return;
-        }
-        self.is_on = on;
-        self.fault = None;
-        self.begin_anew();
+        self.loops.energise(on);
         if !on {
-            self.end_measurement(Ending::PowerOff);
             self.plant.gates = Gates::Off;
         }
     }
 
-    /// The loops begin without a current.
-    fn begin_anew(&mut self) {
-        self.interrupt.current.start();
-        self.interrupt.order(Rotor::ZERO, 0);
-        self.control.start();
-    }
-
     /// Why the motor has no current though it is to have some, as an error code of CiA 402.
     pub fn error_code(&self) -> Option<u16> {
-        self.fault.map(|fault| match fault {
-            Fault::OverCurrent => 0x2310,
-            Fault::Short => 0x2320,
-            Fault::UnderVoltage => 0x3220,
-            Fault::OverVoltage => 0x3210,
-            Fault::Temperature => 0x4310,
-            Fault::Blocked => 0x7121,
-            Fault::PhaseLost => 0x7122,
-            Fault::CurrentSensor => 0x7300,
-            Fault::Encoder => 0x7305,
-            Fault::OverSpeed => 0x7310,
-        })
+        self.fault().map(error_code)
+    }
+
+    fn fault(&self) -> Option<Fault> {
+        self.loops.fault()
     }
 
     /// Runs for so many microseconds. `order` was given at its moment of the step clock, of which the run begins at `begin`; its positions count from `origin` on.
     pub fn run(&mut self, span: u64, begin: Ticks, order: Option<&Ordered>, origin: i64, hot: i16) {
         let end = self.time + span;
         let start = self.time;
-        if order.copied() != self.taken {
-            self.taken = order.copied();
-        }
+        self.loops.take(order.map(|ordered| ordered.order));
         while (self.periods + 1) * PERIOD <= end {
             let at = (self.periods + 1) * PERIOD;
             let ticks = begin + at.saturating_sub(start) * u64::from(STEP_CLOCK_HZ / 1_000_000);
-            self.period(ticks, origin, hot);
+            let since = ticks.saturating_sub(order.map_or(ticks, |ordered| ordered.at));
+            self.period(since as f32 / STEP_CLOCK_HZ as f32, origin, hot);
             self.periods += 1;
         }
         self.time = end;
     }
 
-    /// A period of the modulation.
-    fn period(&mut self, ticks: Ticks, origin: i64, hot: i16) {
+    /// A period of the modulation, so many s after the order.
+    fn period(&mut self, since: f32, origin: i64, hot: i16) {
         let readings = self.plant.measure();
         let current = |amperes: f64| {
             let counts = (amperes / f64::from(self.scale)).round() + f64::from(MIDDLE);
@@ -274,136 +244,35 @@ impl ServoMotor {
             bus: (readings.bus_voltage / f64::from(BUS)).round() as u16,
             timer: readings.count as u16,
         };
-        let bus = f32::from(counts.bus) * BUS;
-        self.plant.chopper = self.control.chops(bus);
-        let measures = self.measures();
-        let widths = if measures {
-            self.measure(&counts, bus, hot)
-        } else if self.is_on && self.fault.is_none() {
-            let widths = self.interrupt.run(&counts);
-            widths.map_err(|trip| self.control.fail(trip.into())).ok()
-        } else {
-            self.interrupt.encoder.look(counts.timer);
-            let angle = self.interrupt.encoder.angle();
-            self.interrupt.observer.look(angle);
-            None
-        };
-        if self.is_on && !measures && self.periods.is_multiple_of(CONTROL) {
-            self.order(ticks, origin);
-            let seen = Seen {
-                bus,
-                temperature: f32::from(hot) / 10.0,
-                sum: match self.motor.wiring {
-                    Wiring::TwoPhase => 0.0,
-                    Wiring::ThreePhase => {
-                        let currents = self.interrupt.sense.amperes(counts.currents);
-                        currents.iter().sum()
-                    }
-                },
-            };
-            // The control goes on where the interrupt has ended: it tells the fault.
-            if let Ok(current) = self.control.run(&self.interrupt, &seen) {
-                self.interrupt.order(current, 0);
-            }
-        }
-        self.fault = self.control.fault();
+        self.plant.chopper = self.loops.chops(&counts);
+        let widths = self.loops.period(&counts, hot);
+        self.loops.control(&counts, since, origin, hot);
         self.plant.run(HALF);
-        self.plant.gates = match (widths, self.fault) {
+        self.plant.gates = match (widths, self.fault()) {
             (Some(widths), None) => Gates::On(widths.map(f64::from)),
             _ => Gates::Off,
         };
         self.plant.run(HALF);
     }
 
-    /// Hands the order on.
-    fn order(&mut self, ticks: Ticks, origin: i64) {
-        let Some(Ordered { order, at }) = self.taken else {
-            return;
-        };
-        let speed = |bits: i64| bits as f32 / 4_294_967_296.0;
-        let torque = |micro: u32| micro as f32 * 1e-6;
-        let by_current = order.current as f32 * 1e-3 * self.motor.torque_constant();
-        let held = self.held_at();
-        let goal = match order.goal {
-            ServoGoal::Free if held.is_some() => Goal::Position {
-                counts: held.unwrap_or_default(),
-                part: 1 << 31,
-                velocity: 0.0,
-                acceleration: 0.0,
-            },
-            ServoGoal::Torque | ServoGoal::Free => Goal::Torque,
-            ServoGoal::Position {
-                counts,
-                part,
-                velocity,
-                acceleration,
-            } => Goal::Position {
-                counts: counts + origin,
-                part,
-                velocity: speed(velocity.bits()),
-                acceleration: acceleration as f32,
-            },
-        };
-        let since = ticks.saturating_sub(at) as f32 / STEP_CLOCK_HZ as f32;
-        self.control.order(
-            Order {
-                goal,
-                torque: order.torque as f32 * 1e-6,
-                velocity_ahead: speed(order.velocity_ahead.bits()),
-                most: (
-                    torque(order.most.0).min(by_current),
-                    torque(order.most.1).min(by_current),
-                ),
-                speed: (order.velocity.bits() as f64 / 4_294_967_296.0) as f32,
-            },
-            since,
-        );
-    }
-
     /// What has become of the orders, in counts from `origin` on.
     pub fn report(&self, origin: i64) -> ServoReport {
-        let report = self.control.report(&self.interrupt);
-        let micro = |value: f32, by: f32| (value * by).round() as i32;
-        ServoReport {
-            counts: self.position() - origin,
-            velocity: motion::SignedSpeed::from_bits(
-                (f64::from(report.velocity) * 4_294_967_296.0) as i64,
-            ),
-            demand: micro(report.demand, 1e6),
-            torque: micro(report.torque, 1e6),
-            current: micro(report.current, 1e3),
-            is_limited: report.is_limited,
-            wants_free: self.wants_free(),
-        }
+        self.loops.report(origin)
     }
 
-    /// The lead of a stepper's field in hundredths of a full step.
-    pub fn lead(&self) -> u16 {
-        let lead = self.control.report(&self.interrupt).lead;
-        (lead.abs() * 100.0).round() as u16
-    }
-
-    /// How far the rotor may be from where it is held at rest, in counts: a stepper that is only supervised has no more than its field, and loses
-    /// four full steps at a time. Of anything else its following error tells.
+    /// How far the rotor may be from where it is held at rest, in counts.
     pub fn slack(&self) -> u32 {
-        let supervised = self.settings.stepper.way == 1;
-        let four_steps = self.motor.counts / u32::from(self.motor.pole_pairs);
-        if supervised {
-            four_steps * 5 / 8
-        } else {
-            i32::MAX.unsigned_abs()
-        }
+        self.loops.slack()
     }
 
     /// The rotor stands against a limit of the torque.
     pub fn is_stalled(&self) -> bool {
-        let report = self.control.report(&self.interrupt);
-        report.is_limited && report.velocity.abs() < 0.02 * self.motor.counts as f32
+        self.loops.is_stalled()
     }
 
     /// The heat of motor and stage has come near its bound.
     pub fn is_hot(&self) -> bool {
-        self.control.report(&self.interrupt).is_hot
+        self.loops.is_hot()
     }
 }
 

@@ -78,6 +78,19 @@ pub struct ServoReport {
     pub wants_free: bool,
 }
 
+impl ServoReport {
+    /// Nothing was seen yet.
+    pub const NONE: Self = Self {
+        counts: 0,
+        velocity: SignedSpeed::ZERO,
+        demand: 0,
+        torque: 0,
+        current: 0,
+        is_limited: false,
+        wants_free: false,
+    };
+}
+
 /// The port of a servo axis. Records are played for their time alone.
 pub trait ServoPort: PulseSink {
     /// What is to be done from now on.

@@ -42,6 +42,13 @@ impl Bus {
         self.chops
     }
 
+    /// The share of the time for which a chopper is to be on that can be switched in each period: evenly from where it ends to where it begins, 0 to 1. What is no
+    /// number is no reason to burn.
+    pub fn chopping(&self, voltage: f32) -> f32 {
+        let share = (voltage - self.chop_until) / (self.chop_from - self.chop_until);
+        between(share, 0.0, 1.0)
+    }
+
     /// Whether the supply is not what it was: a current that does not flow then is no wire's fault.
     pub fn is_sunk(&self, voltage: f32) -> bool {
         voltage < SUNK * self.chop_until
@@ -66,6 +73,8 @@ mod tests {
             .map(|voltage| bus.run(voltage))
             .collect();
         assert_eq!(seen, [false, false, true, true, true, false, false, false]);
+        let shares = [49.0, 50.0, 51.0, 52.0, 60.0, f32::NAN].map(|voltage| bus.chopping(voltage));
+        assert_eq!(shares, [0.0, 0.0, 0.5, 1.0, 1.0, 0.0]);
         let left = [48.0, 52.0, 54.0, 56.0, 70.0, f32::NAN].map(|voltage| bus.braking(voltage));
         assert_eq!(left, [1.0, 1.0, 0.5, 0.0, 0.0, 0.0]);
         assert!(Bus::new(50.0, f32::NAN, 60.0).is_err());

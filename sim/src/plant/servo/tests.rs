@@ -4,6 +4,7 @@ mod profiles;
 
 use cia402::{ServoGoal, ServoOrder};
 use motion::{SignedSpeed, Speed};
+use runtime::servo::{ServoSettings, StepperSettings};
 
 use super::*;
 use crate::plant::chance::Chance;
@@ -86,7 +87,7 @@ impl Rig {
     fn stepper(data: ServoAxisData, seed: u64, stepper: StepperSettings) -> Self {
         let mut rig = Self::new(data, seed);
         rig.servo.energise(false);
-        rig.servo.set_up(&ServoSettings {
+        rig.servo.loops.set_up(&ServoSettings {
             stepper,
             ..ServoSettings::default()
         });
@@ -154,11 +155,12 @@ fn whatever_breaks_ends_the_current_and_the_motion() {
         let fastest = f64::from(data.speed) / 60.0 * f64::from(data.plant.sensors.counts);
         let sign = if random(-1.0, 1.0) < 0.0 { -1.0 } else { 1.0 };
         let wanted = sign * fastest * random(0.15, 0.7);
-        let load = f64::from(rig.servo.motor.rated_torque()) * random(0.05, 0.4);
+        let load = f64::from(rig.servo.loops.motor().rated_torque()) * random(0.05, 0.4);
         rig.servo.plant.load_brake = load;
         rig.run(random(0.005, 0.25), wanted);
         assert_eq!(
-            rig.servo.fault, None,
+            rig.servo.fault(),
+            None,
             "{moment}, way {way}: nothing is broken yet"
         );
         let breaks = match (moment / 4) % 6 {
@@ -180,14 +182,14 @@ fn whatever_breaks_ends_the_current_and_the_motion() {
             Breaks::Rotor => rig.servo.plant.load_brake = 100.0,
         }
         let mut waited = 0.0;
-        while rig.servo.fault.is_none() && waited < 2.5 {
+        while rig.servo.fault().is_none() && waited < 2.5 {
             rig.run(0.005, wanted);
             waited += 0.005;
         }
         let what = format!("moment {moment}, {}, way {way}, {breaks:?}", data.name);
         let fault = rig
             .servo
-            .fault
+            .fault()
             .unwrap_or_else(|| panic!("{what}: it goes on"));
         assert!(breaks.shows_as(fault), "{what}: {fault:?}");
         assert!(rig.servo.error_code().is_some());
@@ -200,7 +202,7 @@ fn whatever_breaks_ends_the_current_and_the_motion() {
             phases.iter().all(|phase| phase.abs() < 0.05),
             "{what}: {phases:?}"
         );
-        assert_eq!(rig.servo.fault, Some(fault), "{what}: it stays");
+        assert_eq!(rig.servo.fault(), Some(fault), "{what}: it stays");
         // What turns comes to rest by its load alone.
         let begin = rig.servo.plant.velocity().abs();
         rig.run(0.05, wanted);

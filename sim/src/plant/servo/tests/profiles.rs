@@ -13,9 +13,9 @@ fn profiles() -> u64 {
 /// The true lead of the current over the rotor in full steps, where enough of it flows to tell, and the bus has the voltage for the one that is asked for.
 fn lead(servo: &ServoMotor) -> f64 {
     let [d, q] = servo.plant.current();
-    let asked = servo.interrupt.current.demand();
+    let asked = servo.loops.demand();
     let away = (d - f64::from(asked.d)).hypot(q - f64::from(asked.q));
-    let rated = f64::from(servo.motor.rated_current);
+    let rated = f64::from(servo.loops.motor().rated_current);
     if d.hypot(q) < 0.2 * rated || away > 0.1 * rated {
         return 0.0;
     }
@@ -45,12 +45,13 @@ fn no_load_profile_costs_a_step() {
         let counts = f64::from(data.plant.sensors.counts);
         let full_step = counts / 200.0;
         let fastest = f64::from(data.speed) / 60.0 * counts;
-        let holding = f64::from(rig.servo.motor.torque_constant() * rig.servo.motor.rated_current)
-            * f64::from(settings.current)
+        let holding = f64::from(
+            rig.servo.loops.motor().torque_constant() * rig.servo.loops.motor().rated_current,
+        ) * f64::from(settings.current)
             * 1e-3;
         let mut lead_now = |rig: &Rig| {
             let bound = f64::from(settings.bound) / 100.0;
-            let most = f64::from(rig.servo.lead()) / 100.0;
+            let most = f64::from(rig.servo.loops.lead()) / 100.0;
             assert!(most <= bound + 0.005, "{what}: a lead of {most}");
             most_lead = most_lead.max(lead(&rig.servo));
             most_over = most_over.max(lead(&rig.servo) - bound);
@@ -67,7 +68,7 @@ fn no_load_profile_costs_a_step() {
             for _ in 0..(random(10.0, 40.0) as u32) {
                 rig.run(1e-3, wanted);
                 lead_now(&rig);
-                is_held_back |= rig.servo.control.report(&rig.servo.interrupt).is_limited;
+                is_held_back |= rig.servo.report(0).is_limited;
                 if rig.servo.plant.velocity().abs() > 0.4 * f64::from(data.speed) / 9.55 {
                     rig.servo.plant.load_torque = 0.0;
                 }
@@ -77,14 +78,14 @@ fn no_load_profile_costs_a_step() {
         (rig.servo.plant.load_torque, rig.servo.plant.load_brake) = (0.0, 0.0);
         let mut waited = 0.0;
         rig.run(0.1, 0.0);
-        while rig.servo.control.report(&rig.servo.interrupt).is_limited {
+        while rig.servo.report(0).is_limited {
             rig.run(0.05, 0.0);
             lead_now(&rig);
             waited += 0.05;
             assert!(waited < 20.0, "{what}: it is not made up");
         }
         rig.run(0.1, 0.0);
-        assert_eq!(rig.servo.fault, None, "{what}");
+        assert_eq!(rig.servo.fault(), None, "{what}");
         let away = rig.servo.plant.angle() / std::f64::consts::TAU * counts - rig.position;
         assert!(away.abs() < 0.2 * full_step, "{what}: {away} counts away");
         most_away = most_away.max(away.abs() / full_step);

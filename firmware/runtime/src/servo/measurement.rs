@@ -1,16 +1,15 @@
-//! The measurement of the motor, as a board would do it, and what a master sets while the loops run.
+//! The measurement of the motor, and what a master sets while the loops run.
 
 use cia402::ServoGoal;
 use servo::Angle;
 use servo::cascade::Gains;
 use servo::control::Fault;
-use servo::current_loop::CurrentConfig;
 use servo::interrupt::Counts;
 use servo::motor::Implausible;
 use servo::tuning::{Chirp, Failure, Measured, Seen, Setup, Step, Tuning};
 
-use super::settings::{ServoSettings, config, derating, loops, modulation, speed};
-use super::{CONTROL, SECONDS, ServoMotor};
+use super::Loops;
+use super::settings::{ServoSettings, config, derating, loops, modulation};
 
 /// The bandwidth of the velocity loop for which a measurement proposes gains, if none is wanted, in 1/s: loops of 4 kHz leave room for it.
 const BANDWIDTH: f32 = 600.0;
@@ -97,6 +96,18 @@ pub struct Found {
 }
 
 impl Found {
+    /// There was no measurement yet.
+    pub const NONE: Self = Self {
+        state: 0,
+        failure: 0,
+        winding: [0; 4],
+        pole_pairs: 0,
+        direction: 0,
+        angle: 0,
+        loads: [0; 2],
+        gains: [0; 3],
+    };
+
     /// Whether the measurement is over.
     pub fn has_ended(&self) -> bool {
         self.state >= 6
@@ -110,7 +121,7 @@ enum Work {
     Nothing,
     /// The axis has not let the motor go yet.
     Waits(Wish),
-    Runs(Box<Tuning>),
+    Runs,
     /// Soft loops hold the motor where it began, and a sine is added.
     Excites,
     Ended,
@@ -127,6 +138,8 @@ enum Wish {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Measurement {
     work: Work,
+    /// While it runs.
+    tuning: Option<Tuning>,
     found: Found,
     /// 20C0h:4.
     bandwidth: u16,
@@ -135,7 +148,7 @@ pub(super) struct Measurement {
     way: u64,
 }
 
-impl ServoMotor {
+impl Loops {
     /// Sets up the loops; the motor that they go by while there is no power.
     pub fn set_up(&mut self, settings: &ServoSettings) {
         let gains = ServoSettings {
@@ -145,13 +158,13 @@ impl ServoMotor {
         };
         if gains != self.settings {
             if gains.filters != self.settings.filters {
-                let (low_pass, notch) = gains.filters();
+                let (low_pass, notch) = gains.filters(&self.data);
                 self.control.set_filters(low_pass, notch);
             }
             self.settings = gains;
             // What is no gain was refused by its limits.
             let _ = self.control.set_gains(gains.gains(&self.data));
-            let own = CurrentConfig::quick(&self.motor, SECONDS, 1.0, (1.0, 1.0)).share;
+            let own = config(&self.data).share;
             let share = gains.share().unwrap_or(own);
             let _ = self.interrupt.current.set_share(share);
             let _ = self.control.set_blocked(gains.blocked());
@@ -205,13 +218,13 @@ impl ServoMotor {
         let setup = Setup {
             wiring: self.motor.wiring,
             counts: self.motor.counts,
-            period: SECONDS,
+            period: self.data.stage.period,
             current: f32::from(current) * 1e-3 * self.motor.rated_current,
             trip: config.trip,
             bus: config.bus,
             modulation: modulation(&self.data)?,
             way: f32::from(way) * 1e-3,
-            most_speed: speed(&self.data),
+            most_speed: self.data.most_speed(),
         };
         Tuning::new(setup)?;
         self.measurement.found.state = 1;
@@ -227,7 +240,7 @@ impl ServoMotor {
     ) -> Result<Work, Implausible> {
         let current = f32::from(torque) * 1e-3 * self.motor.rated_current;
         let frequencies = (f32::from(first) * 0.1, f32::from(last) * 0.1);
-        let period = SECONDS * CONTROL as f32;
+        let period = self.data.control_period();
         let chirp = Chirp::new(current, frequencies, f32::from(time) * 1e-3, period)?;
         self.measurement.way = u64::from(way) * u64::from(self.motor.counts) / 1_000;
         self.measurement.found.state = 1;
@@ -243,7 +256,7 @@ impl ServoMotor {
     pub(super) fn wants_free(&self) -> bool {
         matches!(
             self.measurement.work,
-            Work::Waits(_) | Work::Runs(_) | Work::Excites
+            Work::Waits(_) | Work::Runs | Work::Excites
         )
     }
 
@@ -256,7 +269,7 @@ impl ServoMotor {
     pub(super) fn end_measurement(&mut self, ending: Ending) {
         match self.measurement.work {
             Work::Nothing | Work::Ended => return,
-            Work::Runs(_) => self.begin_anew(),
+            Work::Runs => self.begin_anew(),
             Work::Excites => self.end_excitation(),
             Work::Waits(_) => {}
         }
@@ -277,21 +290,27 @@ impl ServoMotor {
             Err(ending) => (7, ending as u8),
         };
         self.measurement.work = Work::Ended;
+        self.measurement.tuning = None;
     }
 
-    /// Whether the measurement has the motor in this period.
+    /// Whether the measurement has the motor.
+    pub(super) fn is_measured(&self) -> bool {
+        matches!(self.measurement.work, Work::Runs)
+    }
+
+    /// The same at the beginning of a period: it takes the motor as soon as the axis has let it go.
     pub(super) fn measures(&mut self) -> bool {
         let is_free = self
-            .taken
-            .is_some_and(|taken| taken.order.goal == ServoGoal::Free);
+            .order
+            .is_some_and(|order| order.goal == ServoGoal::Free);
         match &self.measurement.work {
             Work::Waits(wish) if is_free => {
                 let wish = *wish;
                 self.measurement.begin = self.position();
                 self.begin(wish)
             }
-            Work::Runs(_) if is_free => true,
-            Work::Runs(_) => {
+            Work::Runs if is_free => true,
+            Work::Runs => {
                 self.end_measurement(Ending::Demand);
                 false
             }
@@ -311,7 +330,8 @@ impl ServoMotor {
                     return false;
                 };
                 self.measurement.found = Found::default();
-                self.measurement.work = Work::Runs(Box::new(tuning));
+                self.measurement.tuning = Some(tuning);
+                self.measurement.work = Work::Runs;
                 true
             }
             Wish::Chirp(chirp) => {
@@ -338,12 +358,10 @@ impl ServoMotor {
     }
 
     /// A period of it.
-    pub(super) fn measure(&mut self, counts: &Counts, bus: f32, hot: i16) -> Option<[f32; 3]> {
-        self.interrupt.encoder.look(counts.timer);
-        self.interrupt.observer.look(self.interrupt.encoder.angle());
-        let Work::Runs(tuning) = &mut self.measurement.work else {
-            return None;
-        };
+    pub(super) fn measure(&mut self, counts: &Counts, hot: i16) -> Option<[f32; 3]> {
+        let bus = self.bus(counts);
+        self.look(counts);
+        let tuning = self.measurement.tuning.as_mut()?;
         let is_hot = derating().is_none_or(|derating| derating.share(f32::from(hot) / 10.0) <= 0.0);
         let step = tuning.run(&Seen {
             currents: self.interrupt.sense.amperes(counts.currents),
@@ -374,7 +392,7 @@ impl ServoMotor {
     }
 
     fn found_all(&mut self, measured: &Measured) {
-        let number = |value: f32, unit: f32| (value / unit).round() as u32;
+        let number = |value: f32, unit: f32| (value / unit + 0.5) as u32;
         let counts = self.motor.counts as f32;
         let direction = if measured.is_reversed { -1.0 } else { 1.0 };
         let turned = direction * self.measurement.begin as f32 / counts;
@@ -400,7 +418,7 @@ impl ServoMotor {
                 number(measured.inertia, 1e-9),
                 number(measured.friction, 1e-6),
             ],
-            gains: [gains.velocity, gains.integral, gains.position].map(|gain| gain.round() as u16),
+            gains: [gains.velocity, gains.integral, gains.position].map(|gain| (gain + 0.5) as u16),
             ..self.measurement.found
         };
     }

@@ -2,7 +2,7 @@
 
 use canopen::od::{self, Dictionary};
 
-use crate::plant::{Found, Request, ServoMotor, ServoSettings, StepperSettings};
+use super::{Found, Request, ServoSettings, StepperSettings};
 
 /// What was seen and shown last.
 #[derive(Debug, Default)]
@@ -12,12 +12,12 @@ pub struct Desk {
 }
 
 impl Desk {
-    /// Hands on what masters have written.
-    pub(super) fn read<D: Dictionary>(&mut self, dictionary: &D, servo: &mut ServoMotor) {
+    /// What masters have set, and what they ask for if that is new.
+    pub fn read<D: Dictionary>(&mut self, dictionary: &D) -> (ServoSettings, Option<Request>) {
         let byte = |index, sub| od::read_u8(dictionary, index, sub).unwrap_or(0);
         let word = |index, sub| od::read_u16(dictionary, index, sub).unwrap_or(0);
         let long = |index, sub| od::read_u32(dictionary, index, sub).unwrap_or(0);
-        servo.set_up(&ServoSettings {
+        let settings = ServoSettings {
             motor: [1, 2, 3, 4, 5, 6].map(|sub| long(0x20C2, sub)),
             gains: [word(0x60F9, 1), word(0x60F9, 2), word(0x60FB, 1)],
             share: word(0x60F6, 1),
@@ -31,14 +31,14 @@ impl Desk {
                 fall: word(0x20C4, 6),
             },
             blocked: (word(0x20C5, 1), word(0x20C5, 2)),
-        });
+        };
         let command = byte(0x20C0, 1);
-        if command == std::mem::replace(&mut self.command, command) {
-            return;
+        if command == core::mem::replace(&mut self.command, command) {
+            return (settings, None);
         }
         // Told anew, though it may end as the one before.
         self.found = None;
-        servo.request(match command {
+        let request = match command {
             1 => Request::Motor {
                 current: word(0x20C0, 2),
                 way: word(0x20C0, 3),
@@ -51,26 +51,21 @@ impl Desk {
                 way: word(0x20C0, 3),
             },
             _ => Request::End,
-        });
+        };
+        (settings, Some(request))
     }
 
-    /// The lead of a stepper's field.
-    pub(super) fn show_lead<D: Dictionary>(dictionary: &mut D, servo: &ServoMotor) {
-        od::write_u16(dictionary, 0x20C4, 7, servo.lead());
+    /// Shows the lead of a stepper's field, in hundredths of a full step.
+    pub fn show_lead<D: Dictionary>(dictionary: &mut D, lead: u16) {
+        od::write_u16(dictionary, 0x20C4, 7, lead);
     }
 
-    /// What there is to show, if it is not what was shown last.
-    pub(super) fn news(&mut self, servo: &ServoMotor) -> Option<Found> {
-        let found = *servo.found();
-        (self.found != Some(found)).then(|| {
-            self.found = Some(found);
-            found
-        })
-    }
-
-    /// Shows it. A command that has ended is none any more, so that the next one can be the same.
-    pub(super) fn show<D: Dictionary>(&mut self, dictionary: &mut D, found: &Found) {
+    /// Shows what was found, if that is not what was shown last. A command that has ended is none any more, so that the next one can be the same.
+    pub fn show<D: Dictionary>(&mut self, dictionary: &mut D, found: &Found) {
         const RESULT: u16 = 0x20C1;
+        if self.found.replace(*found) == Some(*found) {
+            return;
+        }
         if found.has_ended() {
             od::write_u8(dictionary, 0x20C0, 1, 0);
             self.command = 0;

@@ -10,7 +10,7 @@ use servo::protection::{Bus, Derating};
 use servo::stepper::{Beyond, StepperConfig};
 use servo::{Control, CurrentLoop, Motor};
 
-use super::{CONTROL, SECONDS, ServoAxisData};
+use super::data::ServoData;
 
 /// The motor and its loops as the objects say it; 0 is what the axis has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,14 +31,7 @@ pub struct ServoSettings {
 
 impl Default for ServoSettings {
     fn default() -> Self {
-        Self {
-            motor: [0; 6],
-            gains: [0; 3],
-            share: 0,
-            filters: [0; 4],
-            stepper: StepperSettings::default(),
-            blocked: (500, 10),
-        }
+        Self::NONE
     }
 }
 
@@ -61,7 +54,7 @@ pub struct StepperSettings {
 
 impl StepperSettings {
     /// `None` for the loops.
-    pub(super) fn config(&self, data: &ServoAxisData, motor: &Motor) -> Option<StepperConfig> {
+    pub(super) fn config(&self, data: &ServoData, motor: &Motor) -> Option<StepperConfig> {
         let beyond = match self.way {
             1 => Beyond::Told,
             2 => Beyond::MadeUpAtRest,
@@ -82,9 +75,26 @@ impl StepperSettings {
 }
 
 impl ServoSettings {
+    /// All as the axis has it.
+    pub const NONE: Self = Self {
+        motor: [0; 6],
+        gains: [0; 3],
+        share: 0,
+        filters: [0; 4],
+        stepper: StepperSettings {
+            way: 0,
+            bound: 0,
+            speed: 0,
+            current: 0,
+            at_rest: 0,
+            fall: 0,
+        },
+        blocked: (500, 10),
+    };
+
     /// The motor that the loops go by, and the torque of its friction.
-    pub(super) fn motor(&self, data: &ServoAxisData) -> (Motor, f32) {
-        let own = data.motor();
+    pub(super) fn motor(&self, data: &ServoData) -> (Motor, f32) {
+        let own = data.motor;
         let or = |number: u32, unit: f32, own: f32| match number {
             0 => own,
             _ => number as f32 * unit,
@@ -98,13 +108,10 @@ impl ServoSettings {
             inertia: or(inertia, 1e-9, own.inertia),
             ..own
         };
-        (
-            motor,
-            or(friction, 1e-6, data.plant.motor.coulomb_friction as f32),
-        )
+        (motor, or(friction, 1e-6, data.friction))
     }
 
-    pub(super) fn gains(&self, data: &ServoAxisData) -> Gains {
+    pub(super) fn gains(&self, data: &ServoData) -> Gains {
         let own = Gains::from_bandwidth(data.bandwidth);
         let or = |number: u16, own: f32| if number == 0 { own } else { number.into() };
         let [velocity, integral, position] = self.gains;
@@ -116,8 +123,8 @@ impl ServoSettings {
     }
 
     /// Low-pass and notch; a frequency of 0 is none. What cannot be is refused by the limits of 20C3h.
-    pub(super) fn filters(&self) -> (Filter, Filter) {
-        let period = SECONDS * CONTROL as f32;
+    pub(super) fn filters(&self, data: &ServoData) -> (Filter, Filter) {
+        let period = data.control_period();
         let [low_pass, flatness, notch, narrowness] = self.filters.map(f32::from);
         let low_pass = if flatness > 0.0 {
             Filter::low_pass(low_pass, (flatness * 1e-3).max(0.1), period)
@@ -135,7 +142,7 @@ impl ServoSettings {
     pub(super) fn blocked(&self) -> (f32, f32) {
         let (time, speed) = self.blocked;
         let turns = f32::from(speed) / 60.0;
-        (turns * std::f32::consts::TAU, f32::from(time) * 1e-3)
+        (turns * core::f32::consts::TAU, f32::from(time) * 1e-3)
     }
 
     /// `None` is that of the loop.
@@ -144,21 +151,18 @@ impl ServoSettings {
     }
 }
 
-/// The greatest speed, in rad/s.
-pub(super) fn speed(data: &ServoAxisData) -> f32 {
-    data.speed as f32 * std::f32::consts::TAU / 60.0
+pub(super) fn modulation(data: &ServoData) -> Result<Modulation, Implausible> {
+    let stage = &data.stage;
+    Modulation::new(
+        data.motor.wiring,
+        stage.dead_time,
+        stage.ripple,
+        stage.reach,
+    )
 }
 
-pub(super) fn modulation(data: &ServoAxisData) -> Result<Modulation, Implausible> {
-    let stage = &data.plant.stage;
-    let dead = (stage.dead_time / stage.period) as f32;
-    Modulation::new(data.motor().wiring, dead, stage.ripple as f32, 0.96)
-}
-
-pub(super) fn config(data: &ServoAxisData) -> CurrentConfig {
-    let voltage = data.plant.supply.voltage as f32;
-    let bounds = (0.6 * voltage, 1.25 * voltage);
-    CurrentConfig::quick(&data.motor(), SECONDS, 2.0 * data.peak_current, bounds)
+pub(super) fn config(data: &ServoData) -> CurrentConfig {
+    CurrentConfig::quick(&data.motor, data.stage.period, data.trip(), data.bounds())
 }
 
 pub(super) fn derating() -> Option<Derating> {
@@ -167,11 +171,11 @@ pub(super) fn derating() -> Option<Derating> {
 
 /// The loops for a motor.
 pub(super) fn loops(
-    data: &ServoAxisData,
+    data: &ServoData,
     motor: &Motor,
     settings: &ServoSettings,
 ) -> Result<(CurrentLoop, Control), Implausible> {
-    let voltage = data.plant.supply.voltage as f32;
+    let voltage = data.stage.voltage;
     let own = config(data);
     let current = CurrentConfig {
         share: settings.share().unwrap_or(own.share),
@@ -179,20 +183,20 @@ pub(super) fn loops(
     };
     let (_, friction) = settings.motor(data);
     let control = ControlConfig {
-        period: SECONDS * CONTROL as f32,
+        period: data.control_period(),
         gains: settings.gains(data),
         friction: friction / motor.torque_constant(),
         peak_time: 2.0,
-        stage: data.stage,
+        stage: data.stage.bears,
         bus: Bus::new(1.03 * voltage, 1.05 * voltage, 1.2 * voltage)?,
         derating: derating().ok_or(Implausible)?,
         blocked: settings.blocked(),
-        most_speed: speed(data) * 1.2,
+        most_speed: data.most_speed() * 1.2,
     };
     let mut control = Control::new(motor, control)?;
     // What cannot be leaves the loops.
     let _ = control.set_stepper(settings.stepper.config(data, motor));
-    let (low_pass, notch) = settings.filters();
+    let (low_pass, notch) = settings.filters(data);
     control.set_filters(low_pass, notch);
     Ok((
         CurrentLoop::new(motor, current, modulation(data)?)?,

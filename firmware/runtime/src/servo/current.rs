@@ -1,0 +1,101 @@
+//! The current interrupt of a board: the loops, and their end of the link.
+//!
+//! ```text
+//! every period    counts ──► Current::period ──► widths      at once, then
+//!                            Current::control                in one of so many: position, velocity, what the tasks say and read
+//! ```
+
+use servo::interrupt::Counts;
+
+use super::link::{Link, Orders, Told};
+use super::{Loops, error_code};
+
+/// See the module.
+#[derive(Debug)]
+pub struct Current {
+    pub(super) loops: Loops,
+    link: &'static Link,
+    orders: Orders,
+    /// Seconds of a count of the clock.
+    count: f32,
+    /// In which of so many periods it is.
+    at: u8,
+    period: u8,
+}
+
+impl Current {
+    /// With a clock of so many counts in a second, which stamps the orders.
+    pub fn new(loops: Loops, link: &'static Link, clock: u32) -> Self {
+        Self {
+            period: loops.data.stage.control.max(5),
+            loops,
+            link,
+            orders: Orders::default(),
+            count: 1.0 / clock as f32,
+            at: 0,
+        }
+    }
+
+    /// A period: pulse widths, or none where the gates are to be off.
+    #[inline]
+    pub fn period(&mut self, counts: &Counts) -> Option<[f32; 3]> {
+        let widths = self.loops.period(counts, self.orders.temperature);
+        widths.filter(|_| self.loops.fault().is_none())
+    }
+
+    /// What is above the current, behind [`Current::period`], at this count of the clock. Returns whether the gates may be on.
+    pub fn control(&mut self, counts: &Counts, now: u32) -> bool {
+        let (order, at) = self.orders.order.unzip();
+        let since = at.map_or(0.0, |at| now.wrapping_sub(at) as f32 * self.count);
+        self.loops.take(order);
+        self.loops
+            .control(counts, since, 0, self.orders.temperature);
+        // One at a time, and not where the loops have run, so that no period is much longer than the others.
+        match self.at {
+            1 => self.hear(),
+            2 => self.hear_wishes(),
+            3 => self.tell(counts),
+            4 => self.link.tell_found(*self.loops.found()),
+            _ => {}
+        }
+        self.at += 1;
+        if self.at >= self.period {
+            self.at = 0;
+        }
+        self.loops.fault().is_none()
+    }
+
+    /// The share of the time for which the brake chopper is to be on, 0 to 1.
+    pub fn chopping(&self, counts: &Counts) -> f32 {
+        self.loops.chopping(counts)
+    }
+
+    fn hear(&mut self) {
+        if let Some(orders) = self.link.orders() {
+            self.orders = orders;
+        }
+        self.loops
+            .energise(self.orders.is_on && !self.orders.is_barred);
+    }
+
+    fn hear_wishes(&mut self) {
+        if let Some(wishes) = self.link.wishes() {
+            self.loops.set_up(&wishes.settings);
+            if let Some(request) = wishes.request {
+                self.loops.request(request);
+            }
+        }
+    }
+
+    fn tell(&self, counts: &Counts) {
+        let told = Told {
+            report: self.loops.report(0),
+            fault: self.loops.fault().map(error_code),
+            millivolts: (self.loops.bus(counts) * 1e3) as u32,
+            is_stalled: self.loops.is_stalled(),
+            is_hot: self.loops.is_hot(),
+            slack: self.loops.slack(),
+        };
+        self.link.tell(told, self.loops.lead());
+    }
+}

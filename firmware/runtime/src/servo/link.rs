@@ -1,0 +1,165 @@
+//! What the tasks of a board copy from one to the other.
+//!
+//! The current interrupt stands above all of them and waits for nobody: where it finds a part locked, it goes on by what it has copied before. Each part has one task
+//! beside the interrupt, which never finds it locked.
+
+use core::sync::atomic::{AtomicU16, Ordering};
+
+use cia402::{ServoOrder, ServoReport};
+use spin::{Mutex, MutexGuard};
+
+use super::{Found, Request, ServoSettings};
+
+/// From the control tick.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Orders {
+    /// What is to be done, and the count of the clock when that was said.
+    pub(super) order: Option<(ServoOrder, u32)>,
+    /// Current in the motor.
+    pub(super) is_on: bool,
+    /// The stage, in 0.1 °C.
+    pub(super) temperature: i16,
+    /// The stage gives no current, whatever is asked of it.
+    pub(super) is_barred: bool,
+}
+
+/// From the task of the dictionary.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Wishes {
+    pub(super) settings: ServoSettings,
+    /// Taken once.
+    pub(super) request: Option<Request>,
+}
+
+/// To the control tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Told {
+    /// What has become of the orders.
+    pub report: ServoReport,
+    /// Why there is no current, as an error code of CiA 402.
+    pub fault: Option<u16>,
+    /// The bus.
+    pub millivolts: u32,
+    /// The rotor stands against a limit of the torque.
+    pub is_stalled: bool,
+    /// The heat has come near its bound.
+    pub is_hot: bool,
+    /// How far the rotor may be from where it is held at rest, in counts.
+    pub slack: u32,
+}
+
+/// See the module.
+#[derive(Debug, Default)]
+pub struct Link {
+    orders: Mutex<Orders>,
+    wishes: Mutex<Wishes>,
+    told: Mutex<Told>,
+    found: Mutex<Found>,
+    lead: AtomicU16,
+}
+
+impl Link {
+    /// Nothing is ordered or told.
+    pub const fn new() -> Self {
+        Self {
+            orders: Mutex::new(Orders {
+                order: None,
+                is_on: false,
+                temperature: 250,
+                is_barred: false,
+            }),
+            wishes: Mutex::new(Wishes {
+                settings: ServoSettings::NONE,
+                request: None,
+            }),
+            told: Mutex::new(Told {
+                report: ServoReport::NONE,
+                fault: None,
+                millivolts: 0,
+                is_stalled: false,
+                is_hot: false,
+                slack: i32::MAX.unsigned_abs(),
+            }),
+            found: Mutex::new(Found::NONE),
+            lead: AtomicU16::new(0),
+        }
+    }
+
+    /// Current in the motor, or none. For the control tick, as the next two.
+    pub fn energise(&self, on: bool) {
+        self.orders.lock().is_on = on;
+    }
+
+    /// What the board measures: the temperature of the stage in 0.1 °C, and whether it can give no current; that takes it at once.
+    pub fn measured(&self, temperature: i16, is_barred: bool) {
+        let mut orders = self.orders.lock();
+        (orders.temperature, orders.is_barred) = (temperature, is_barred);
+    }
+
+    /// What the loops have told last.
+    pub fn told(&self) -> Told {
+        *self.told.lock()
+    }
+
+    pub(super) fn order(&self, order: &ServoOrder, at: u32) {
+        self.orders.lock().order = Some((*order, at));
+    }
+
+    /// What masters have set and ask for. For the task of the dictionary, as the next one.
+    pub fn wish(&self, settings: ServoSettings, request: Option<Request>) {
+        let mut wishes = self.wishes.lock();
+        wishes.settings = settings;
+        if request.is_some() {
+            wishes.request = request;
+        }
+    }
+
+    /// What a measurement has found.
+    pub fn found(&self) -> Found {
+        *self.found.lock()
+    }
+
+    /// The lead of a stepper's field in hundredths of a full step.
+    pub fn lead(&self) -> u16 {
+        self.lead.load(Ordering::Relaxed)
+    }
+
+    /// While the tasks have locked all of it.
+    #[cfg(test)]
+    pub(super) fn while_locked(&self, f: impl FnOnce()) {
+        let _locked = (
+            self.orders.lock(),
+            self.wishes.lock(),
+            self.told.lock(),
+            self.found.lock(),
+        );
+        f();
+    }
+
+    /// For the interrupt.
+    pub(super) fn orders(&self) -> Option<Orders> {
+        self.orders.try_lock().map(|orders| *orders)
+    }
+
+    pub(super) fn wishes(&self) -> Option<Wishes> {
+        self.wishes.try_lock().map(|mut wishes| Wishes {
+            settings: wishes.settings,
+            request: wishes.request.take(),
+        })
+    }
+
+    pub(super) fn tell(&self, told: Told, lead: u16) {
+        put(self.told.try_lock(), told);
+        self.lead.store(lead, Ordering::Relaxed);
+    }
+
+    pub(super) fn tell_found(&self, found: Found) {
+        put(self.found.try_lock(), found);
+    }
+}
+
+fn put<T>(place: Option<MutexGuard<'_, T>>, value: T) {
+    if let Some(mut place) = place {
+        *place = value;
+    }
+}

@@ -1,0 +1,311 @@
+//! The loops of a servo, between the axis of the drive and a power stage: on a board and in the plant alike.
+//!
+//! | here | does | the host gives |
+//! |---|---|---|
+//! | [`Loops`] | a period of the modulation, and the loops above it: counts in, pulse widths out | the counts |
+//! | [`Desk`] | what masters set and ask for, and what was found | the dictionary |
+//! | [`Link`] | what the tasks of a board copy from one to the other | |
+//! | [`Current`] | the loops in the current interrupt, at one end of the link | counts, time |
+//! | [`Port`] | the port of the axis, at its other end | time |
+//!
+//! The contract: [`Loops::period`] is called in the middle of the pulses, its widths act half a period later for a whole one; [`Loops::control`] behind it in
+//! each period. The gates are on while there are widths and [`Loops::fault`] is none.
+
+mod current;
+mod data;
+mod desk;
+mod link;
+mod measurement;
+mod orders;
+mod port;
+mod settings;
+
+use cia402::{ServoOrder, ServoReport};
+use servo::control::{Fault, Report, Seen};
+use servo::feedback::commutation::Step;
+use servo::feedback::{Commutation, Incremental, Observer};
+use servo::interrupt::Counts;
+use servo::offsets::{Calibration, CurrentSense};
+use servo::transform::Rotor;
+use servo::{Angle, Control, CurrentInterrupt, Implausible, Motor, Wiring};
+
+pub use current::Current;
+pub use data::{ServoData, StageData};
+pub use desk::Desk;
+pub use link::Link;
+use measurement::{Ending, Measurement};
+pub use measurement::{Found, Request};
+pub use orders::error_code;
+pub use port::Port;
+use settings::loops;
+pub use settings::{ServoSettings, StepperSettings};
+
+/// Of the observer, in rad/s.
+const OBSERVER: f32 = 3_000.0;
+
+/// What is done with the power on before the loops run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Begin {
+    /// The gates are off, and what the sensors say is no current.
+    Sensors,
+    /// The magnet is looked for.
+    Magnet,
+    /// Nothing.
+    Over,
+}
+
+/// See the module.
+#[derive(Clone, Debug)]
+pub struct Loops {
+    data: ServoData,
+    motor: Motor,
+    interrupt: CurrentInterrupt,
+    control: Control,
+    /// Where the magnet and the sensors are is known from the start.
+    is_ideal: bool,
+    begin: Begin,
+    /// Until the magnet is found for the first time.
+    search: Option<Commutation>,
+    /// Periods since the loops above ran.
+    periods: u8,
+    is_on: bool,
+    /// What the axis has ordered.
+    order: Option<ServoOrder>,
+    fault: Option<Fault>,
+    settings: ServoSettings,
+    measurement: Measurement,
+}
+
+impl Loops {
+    /// At rest, with the timer of the encoder at `timer`. Where the magnet stands may be known (as with an absolute encoder); then nothing is to be found
+    /// and the sensors are right, too.
+    ///
+    /// # Errors
+    /// With data that cannot be.
+    pub fn new(data: &ServoData, timer: u16, magnet: Option<Angle>) -> Result<Self, Implausible> {
+        let stage = &data.stage;
+        let motor = data.motor.checked()?;
+        let settings = ServoSettings::default();
+        let (current, control) = loops(data, &motor, &settings)?;
+        let mut encoder = Incremental::new(&motor, timer, 2);
+        if let Some(angle) = magnet {
+            encoder.set_angle(angle);
+        }
+        let mut observer = Observer::new(OBSERVER, stage.period)?;
+        observer.stand_at(encoder.angle());
+        let (middle, spread) = stage.middle;
+        let sense = CurrentSense::new(stage.current, middle, spread)?;
+        let search = Commutation::new(&motor, motor.rated_current, stage.period)?;
+        Ok(Self {
+            data: *data,
+            motor,
+            interrupt: CurrentInterrupt::new(sense, encoder, observer, current, stage.bus)?,
+            control,
+            is_ideal: magnet.is_some(),
+            begin: Begin::Over,
+            search: magnet.is_none().then_some(search),
+            periods: 0,
+            is_on: false,
+            order: None,
+            fault: None,
+            settings,
+            measurement: Measurement::default(),
+        })
+    }
+
+    /// The motor as its loops know it.
+    pub fn motor(&self) -> &Motor {
+        &self.motor
+    }
+
+    /// Of the encoder, from where it began.
+    pub fn position(&self) -> i64 {
+        self.interrupt.encoder.position()
+    }
+
+    /// Whether the loops may put current into the motor.
+    pub fn energise(&mut self, on: bool) {
+        if on == self.is_on {
+            return;
+        }
+        self.is_on = on;
+        self.fault = None;
+        self.begin_anew();
+        if !on {
+            self.end_measurement(Ending::PowerOff);
+        } else if !self.is_ideal {
+            self.interrupt.sense.restart();
+            self.begin = Begin::Sensors;
+        }
+    }
+
+    /// The loops begin without a current.
+    fn begin_anew(&mut self) {
+        self.begin = Begin::Over;
+        self.interrupt.current.start();
+        self.interrupt.order(Rotor::ZERO, 0);
+        self.control.start();
+    }
+
+    /// Why the motor has no current though it is to have some.
+    pub fn fault(&self) -> Option<Fault> {
+        self.fault
+    }
+
+    /// The bus in V.
+    pub fn bus(&self, counts: &Counts) -> f32 {
+        f32::from(counts.bus) * self.data.stage.bus
+    }
+
+    /// Whether a brake chopper is to be on.
+    pub fn chops(&mut self, counts: &Counts) -> bool {
+        let bus = self.bus(counts);
+        self.control.chops(bus)
+    }
+
+    /// The share of the time for which a brake chopper is to be on, 0 to 1, if it can be on for a part of it.
+    pub fn chopping(&self, counts: &Counts) -> f32 {
+        self.control.chopping(self.bus(counts))
+    }
+
+    /// What the axis has ordered.
+    pub fn take(&mut self, order: Option<ServoOrder>) {
+        self.order = order;
+    }
+
+    /// A period of the modulation, with the stage so hot, in 0.1 °C: the pulse widths; without any the gates are to be off.
+    #[inline]
+    pub fn period(&mut self, counts: &Counts, hot: i16) -> Option<[f32; 3]> {
+        let widths = if !self.is_on || self.fault.is_some() {
+            self.look(counts);
+            None
+        } else if self.begin != Begin::Over {
+            self.look(counts);
+            self.get_ready(counts)
+        } else if self.measures() {
+            self.measure(counts, hot)
+        } else {
+            let widths = self.interrupt.run(counts);
+            widths.map_err(|trip| self.control.fail(trip.into())).ok()
+        };
+        self.fault = self.control.fault();
+        widths
+    }
+
+    /// What is above the current, where it is due; `since` is the time from when the order was given, in s, and its positions count from `origin` on.
+    pub fn control(&mut self, counts: &Counts, since: f32, origin: i64, hot: i16) {
+        let is_due = self.periods == 0;
+        self.periods += 1;
+        if self.periods >= self.data.stage.control {
+            self.periods = 0;
+        }
+        if !is_due || !self.is_on || self.begin != Begin::Over || self.is_measured() {
+            return;
+        }
+        if let Some(order) = &self.order {
+            let held = self.held_at();
+            let order = orders::order(order, &self.motor, origin, held);
+            self.control.order(order, since);
+        }
+        let seen = Seen {
+            bus: self.bus(counts),
+            temperature: f32::from(hot) / 10.0,
+            sum: match self.motor.wiring {
+                Wiring::TwoPhase => 0.0,
+                Wiring::ThreePhase => {
+                    let currents = self.interrupt.sense.amperes(counts.currents);
+                    currents.iter().sum()
+                }
+            },
+        };
+        // The control goes on where the interrupt has ended: it tells the fault.
+        if let Ok(current) = self.control.run(&self.interrupt, &seen) {
+            self.interrupt.order(current, 0);
+        }
+        self.fault = self.control.fault();
+    }
+
+    /// The encoder goes on, and nothing else.
+    fn look(&mut self, counts: &Counts) {
+        self.interrupt.encoder.look(counts.timer);
+        let angle = self.interrupt.encoder.angle();
+        self.interrupt.observer.look(angle);
+    }
+
+    /// A period before the loops run.
+    fn get_ready(&mut self, counts: &Counts) -> Option<[f32; 3]> {
+        if self.begin == Begin::Sensors {
+            match self.interrupt.sense.learn(counts.currents) {
+                Calibration::Running => {}
+                Calibration::Done if self.search.is_some() => self.begin = Begin::Magnet,
+                Calibration::Done => self.begin = Begin::Over,
+                Calibration::Failed => self.control.fail(Fault::CurrentSensor),
+            }
+            return None;
+        }
+        let (position, speed) = (self.position(), self.interrupt.observer.speed());
+        match self.search.as_mut()?.run(position, speed) {
+            Step::Hold { angle, current } => {
+                let widths = self.interrupt.hold(counts, angle, current);
+                widths.map_err(|trip| self.control.fail(trip.into())).ok()
+            }
+            Step::Found(angle) => {
+                self.search = None;
+                self.interrupt.encoder.set_angle(angle);
+                let angle = self.interrupt.encoder.angle();
+                self.interrupt.observer.stand_at(angle);
+                self.begin_anew();
+                None
+            }
+            Step::Failed => {
+                self.control.fail(Fault::Encoder);
+                None
+            }
+        }
+    }
+
+    fn told(&self) -> Report {
+        self.control.report(&self.interrupt)
+    }
+
+    /// What has become of the orders, in counts from `origin` on.
+    pub fn report(&self, origin: i64) -> ServoReport {
+        let counts = self.position().wrapping_sub(origin);
+        let wants_free = self.wants_free() || self.begin != Begin::Over;
+        orders::report(&self.told(), counts, wants_free)
+    }
+
+    /// The current that is asked of its loop.
+    pub fn demand(&self) -> Rotor {
+        self.interrupt.current.demand()
+    }
+
+    /// The lead of a stepper's field in hundredths of a full step.
+    pub fn lead(&self) -> u16 {
+        (self.told().lead.abs() * 100.0 + 0.5) as u16
+    }
+
+    /// How far the rotor may be from where it is held at rest, in counts: a stepper that is only supervised has no more than its field, and loses
+    /// four full steps at a time. Of anything else its following error tells.
+    pub fn slack(&self) -> u32 {
+        let four_steps = self.motor.counts / u32::from(self.motor.pole_pairs);
+        match self.settings.stepper.way {
+            1 => four_steps * 5 / 8,
+            _ => i32::MAX.unsigned_abs(),
+        }
+    }
+
+    /// The rotor stands against a limit of the torque.
+    pub fn is_stalled(&self) -> bool {
+        let report = self.told();
+        report.is_limited && report.velocity.abs() < 0.02 * self.motor.counts as f32
+    }
+
+    /// The heat of motor and stage has come near its bound.
+    pub fn is_hot(&self) -> bool {
+        self.told().is_hot
+    }
+}
+
+#[cfg(test)]
+mod tests;

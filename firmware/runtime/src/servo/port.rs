@@ -1,0 +1,87 @@
+//! The port of a servo axis: records pass in time, orders and reports go over the link.
+
+use core::cell::Cell;
+
+use cia402::{ServoOrder, ServoPort, ServoReport};
+use motion::{PulseSink, Record, Ticks};
+
+use super::link::Link;
+
+/// Records that are taken at once. None is kept: they are nothing but time.
+const ROOM: usize = 64;
+
+/// See the module.
+#[derive(Debug)]
+pub struct Port {
+    link: &'static Link,
+    pending: Ticks,
+    /// The clock at the last look; it is that of the records, and wraps.
+    now: u32,
+    /// The same when it was asked last what is pending: an order is for that moment, whoever has looked at the clock since.
+    asked: Cell<u32>,
+    /// The timer of the encoder where the position is 0.
+    timer: u16,
+}
+
+impl Port {
+    /// Without a record, at this count of the clock, and with the timer of the encoder as the loops have begun with it.
+    pub const fn new(link: &'static Link, now: u32, timer: u16) -> Self {
+        Self {
+            link,
+            pending: 0,
+            now,
+            asked: Cell::new(now),
+            timer,
+        }
+    }
+
+    /// The position of the encoder, in counts from where it began.
+    pub fn position(&self) -> i64 {
+        self.link.told().report.counts
+    }
+
+    /// The same where its timer was at this count a short while ago.
+    pub fn position_at(&self, timer: u16) -> i64 {
+        let position = self.position();
+        let told = self.timer.wrapping_add(position as u16);
+        position.wrapping_add(timer.wrapping_sub(told).cast_signed().into())
+    }
+
+    /// The clock has come so far, less than its range since the last call.
+    pub fn pass(&mut self, now: u32) {
+        let passed = now.wrapping_sub(self.now);
+        self.now = now;
+        self.pending = self.pending.saturating_sub(passed.into());
+    }
+}
+
+impl PulseSink for Port {
+    fn push(&mut self, record: Record) -> Result<(), Record> {
+        let ticks = u64::from(record.period.max(1)).saturating_mul(record.repeat.into());
+        self.pending = self.pending.saturating_add(ticks);
+        Ok(())
+    }
+
+    fn pending(&self) -> Ticks {
+        self.asked.set(self.now);
+        self.pending
+    }
+
+    fn free(&self) -> usize {
+        ROOM
+    }
+}
+
+impl ServoPort for Port {
+    fn order(&mut self, order: &ServoOrder) {
+        self.link.order(order, self.asked.get());
+    }
+
+    fn report(&self) -> ServoReport {
+        self.link.told().report
+    }
+
+    fn forget(&mut self) {
+        self.pending = 0;
+    }
+}

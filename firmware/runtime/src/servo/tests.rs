@@ -1,0 +1,182 @@
+//! The link, and what comes before the loops. How the loops move a motor is tested in the plant (`sim`).
+
+extern crate std;
+
+use super::*;
+use cia402::{ServoGoal, ServoPort};
+use motion::{PulseSink, Record, SignedSpeed, Speed};
+use std::boxed::Box;
+
+/// That of the plant's axis, on a board with a converter of 12 bits.
+pub(super) const DATA: ServoData = ServoData {
+    motor: Motor {
+        wiring: Wiring::ThreePhase,
+        pole_pairs: 4,
+        resistance: 0.6,
+        inductance_d: 0.8e-3,
+        inductance_q: 0.8e-3,
+        flux: 13.33e-3,
+        rated_current: 4.0,
+        peak_current: 12.0,
+        inertia: 9.6e-6,
+        counts: 10_000,
+    },
+    friction: 0.0,
+    bandwidth: 600.0,
+    speed: 3_000,
+    stage: StageData {
+        period: 50e-6,
+        control: 5,
+        voltage: 48.0,
+        dead_time: 0.003,
+        ripple: 0.2,
+        reach: 0.9,
+        current: 0.02,
+        middle: (2_048, 100),
+        bus: 0.0154,
+        bears: (12.0, 2.0),
+    },
+};
+
+/// No current flows, so none of account may be asked for: a phase that carries nothing is lost.
+const AT_REST: Counts = Counts {
+    currents: [2_048; 3],
+    bus: 3_117,
+    timer: 0,
+};
+
+fn held(torque: i32) -> ServoOrder {
+    ServoOrder {
+        goal: ServoGoal::Torque,
+        torque,
+        velocity_ahead: SignedSpeed::ZERO,
+        most: (u32::MAX, u32::MAX),
+        current: u32::MAX,
+        velocity: Speed::MAX,
+    }
+}
+
+fn linked(magnet: Option<Angle>) -> (Current, Port, &'static Link) {
+    let link: &'static Link = Box::leak(Box::new(Link::new()));
+    let loops = Loops::new(&DATA, 0, magnet).unwrap();
+    (
+        Current::new(loops, link, 84_000_000),
+        Port::new(link, 0, 0),
+        link,
+    )
+}
+
+/// So many periods; the widths of the last.
+fn run(current: &mut Current, periods: u32, counts: &Counts) -> Option<[f32; 3]> {
+    let mut last = None;
+    for _ in 0..periods {
+        let widths = current.period(counts);
+        last = current.control(counts, 0).then_some(widths).flatten();
+    }
+    last
+}
+
+#[test]
+fn the_sensors_are_learnt_first_and_then_the_magnet_is_looked_for() {
+    let (mut current, _, link) = linked(None);
+    assert_eq!(run(&mut current, 100, &AT_REST), None);
+    link.energise(true);
+    // Heard within five periods; 256 samples with the gates off.
+    let off = Counts {
+        currents: [2_060, 2_048, 2_036],
+        ..AT_REST
+    };
+    assert_eq!(run(&mut current, 250, &off), None);
+    assert!(link.told().report.wants_free);
+    // Then the field rises, from widths that are equal: the offsets are no current.
+    let widths = run(&mut current, 12, &off).unwrap();
+    assert!(
+        widths.iter().all(|width| (width - 0.5).abs() < 0.01),
+        "{widths:?}"
+    );
+    // A rotor that is held does not follow it.
+    run(&mut current, 60_000, &off);
+    assert_eq!(link.told().fault, Some(0x7305));
+    link.energise(false);
+    run(&mut current, 10, &AT_REST);
+    assert_eq!(link.told().fault, None);
+}
+
+#[test]
+fn a_sensor_far_from_its_middle_is_a_fault() {
+    let (mut current, _, link) = linked(None);
+    link.energise(true);
+    let counts = Counts {
+        currents: [2_300, 2_048, 2_048],
+        ..AT_REST
+    };
+    assert_eq!(run(&mut current, 300, &counts), None);
+    assert_eq!(link.told().fault, Some(0x7300));
+}
+
+#[test]
+fn an_order_goes_over_the_link_and_a_report_comes_back() {
+    let (mut current, mut port, link) = linked(Some(Angle::ZERO));
+    link.energise(true);
+    port.order(&held(4_000));
+    run(&mut current, 40, &AT_REST);
+    let told = link.told();
+    assert_eq!(told.report.demand, 4_000);
+    assert_eq!(told.millivolts, 48_001);
+    assert!(run(&mut current, 1, &AT_REST).is_some());
+    // What the board finds takes the current.
+    link.measured(250, true);
+    assert_eq!(run(&mut current, 10, &AT_REST), None);
+}
+
+#[test]
+fn who_has_locked_a_part_is_not_waited_for() {
+    let (mut current, mut port, link) = linked(Some(Angle::ZERO));
+    link.energise(true);
+    port.order(&held(4_000));
+    run(&mut current, 10, &AT_REST);
+    // The interrupt comes while the tick copies.
+    link.while_locked(|| {
+        let widths = run(&mut current, 10, &AT_REST);
+        assert!(widths.is_some(), "{:?}", current.loops.fault());
+    });
+    assert_eq!(link.told().report.demand, 4_000);
+}
+
+#[test]
+fn records_pass_in_time() {
+    let (_, mut port, _) = linked(Some(Angle::ZERO));
+    let record = Record {
+        period: 1_000,
+        repeat: 84,
+        width: 8,
+        direction: motion::Direction::Forward,
+    };
+    port.push(record).unwrap();
+    assert_eq!(port.pending(), 84_000);
+    port.pass(50_000);
+    assert_eq!(port.pending(), 34_000);
+    port.pass(100_000);
+    assert_eq!(port.pending(), 0);
+    port.push(record).unwrap();
+    port.forget();
+    assert_eq!(port.pending(), 0);
+}
+
+#[test]
+fn an_edge_is_where_the_timer_was() {
+    let link: &'static Link = Box::leak(Box::new(Link::new()));
+    let port = Port::new(link, 0, 65_000);
+    let report = ServoReport {
+        counts: -700,
+        ..ServoReport::NONE
+    };
+    let told = link::Told {
+        report,
+        ..link::Told::default()
+    };
+    link.tell(told, 0);
+    assert_eq!(port.position(), -700);
+    assert_eq!(port.position_at(64_310), -690);
+    assert_eq!(port.position_at(64_290), -710);
+}
