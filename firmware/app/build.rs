@@ -11,38 +11,38 @@ const ROOT: &str = "../..";
 
 const MEMORY: &str = "../../memory.x";
 
-/// The data sheet of the drive, from the root of the workspace, if it is to be another one than [`DATA_SHEET`].
+/// The data sheet of the drive, from the root of the workspace, if it is to be another one than that of its kind.
 const CHOICE: &str = "AXIS402_EDS";
 
-const DATA_SHEET: &str = "eds/axis402.eds";
+/// Those of a step driver, and of a servo.
+const STEPPER: &str = "eds/axis402.eds";
+const SERVO: &str = "eds/servo.toml";
 
 fn main() {
     let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
     fs::copy(MEMORY, out.join("memory.x")).expect("memory.x lies in the root of the workspace");
-    let board = if env::var_os("CARGO_FEATURE_QEMU").is_some() {
-        "qemu"
-    } else {
-        "stm32f405"
-    };
+    let has = |feature: &str| env::var_os(format!("CARGO_FEATURE_{feature}")).is_some();
+    let board = if has("QEMU") { "qemu" } else { "chip" };
     let ram = format!("src/board/{board}/ram.x");
-    fs::copy(&ram, out.join("ram.x")).expect("each board has a ram.x");
+    fs::copy(&ram, out.join("ram.x")).expect("the emulator and the chip have a ram.x");
     println!("cargo:rerun-if-changed={ram}");
     println!("cargo:rustc-link-search={}", out.display());
     println!("cargo:rerun-if-changed={MEMORY}");
     println!("cargo:rerun-if-changed=build.rs");
-    if env::var_os("CARGO_FEATURE_RTT").is_none() {
+    if !has("RTT") {
         // Nobody would read them.
         println!("cargo:rustc-env=DEFMT_LOG=off");
     }
 
     // The drive, and the device of the benchmarks.
     println!("cargo:rerun-if-env-changed={CHOICE}");
-    let data_sheet = env::var_os(CHOICE).unwrap_or_else(|| DATA_SHEET.into());
+    let own = if has("ODRIVE36") { SERVO } else { STEPPER };
+    let data_sheet = env::var_os(CHOICE).unwrap_or_else(|| own.into());
     od_gen::build(
         Path::new(ROOT).join(data_sheet),
         "dictionary.rs",
         Options {
-            no_block_transfer: env::var_os("CARGO_FEATURE_BLOCK_TRANSFER").is_none(),
+            no_block_transfer: !has("BLOCK_TRANSFER"),
             ..Options::DRIVE
         },
     );

@@ -26,6 +26,9 @@ const COMPACT: &str = "compact";
 /// The drive on the STM32F405 board, without logs.
 const WHOLE: &str = "stm32f405,sin-squared,block-transfer";
 
+/// The servo on the board ODrive v3.6, without logs.
+const ODRIVE: &str = "odrive36,sin-squared,block-transfer";
+
 /// The drive on QEMU's machine.
 const EMULATED: &str = "qemu,sin-squared,block-transfer";
 
@@ -36,6 +39,8 @@ pub enum Image {
     Board,
     /// The same without logs: what is measured.
     Whole,
+    /// The servo on the board ODrive v3.6, without logs.
+    Odrive,
     /// The smallest drive that is still a good one (`eds/compact.eds`), without logs.
     Compact,
     /// The whole drive, or a product, as small as the compiler makes it.
@@ -56,7 +61,9 @@ impl Image {
     /// The name of the binary in `firmware/app`.
     fn binary(self) -> &'static str {
         match self {
-            Self::Board | Self::Whole | Self::Compact | Self::Least | Self::Qemu => "app",
+            Self::Board | Self::Whole | Self::Odrive | Self::Compact | Self::Least | Self::Qemu => {
+                "app"
+            }
             Self::Bench => "bench",
             Self::BasicDevice | Self::BasicDeviceForSize => "basic-device",
             Self::NoPanic => "no-panic",
@@ -76,10 +83,20 @@ impl Image {
         match self {
             Self::Board | Self::BasicDevice => &[],
             Self::NoPanic | Self::Whole => &["--no-default-features", "--features", WHOLE],
+            Self::Odrive => &["--no-default-features", "--features", ODRIVE],
             Self::Compact | Self::Least | Self::BasicDeviceForSize => {
                 &["--no-default-features", "--features", "stm32f405"]
             }
             Self::Qemu | Self::Bench => &["--no-default-features", "--features", EMULATED],
+        }
+    }
+
+    /// Its board: the folder in `firmware/app/src/board`.
+    pub fn board(self) -> &'static str {
+        match self {
+            Self::Odrive => "odrive36",
+            Self::Qemu | Self::Bench => "qemu",
+            _ => "stm32f405",
         }
     }
 
@@ -113,6 +130,7 @@ impl Image {
         let name = match self {
             Self::Board => "axis402-stm32f405.elf",
             Self::Whole => "axis402-without-logs.elf",
+            Self::Odrive => "axis402-odrive36.elf",
             Self::Compact => "axis402-compact.elf",
             Self::Least => "axis402-least.elf",
             Self::Qemu => "axis402-qemu.elf",

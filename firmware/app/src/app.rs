@@ -9,6 +9,8 @@ macro_rules! app {
         dispatchers: [$($dispatcher:ident),+],
         pulses: [$($pulses:ident: $pulses_interrupt:ident),*],
         edge: [$($edge:ident: $edge_interrupt:ident),*],
+        trip: [$($trip:ident: $trip_interrupt:ident),*],
+        current: [$($current:ident: $current_interrupt:ident),*],
         can: [$($can:ident: $can_interrupt:ident),*],
         refill: [$($refill:ident: $refill_interrupt:ident),*],
         wake: [$($wake:ident: $wake_interrupt:ident),*],
@@ -98,6 +100,20 @@ macro_rules! app {
                     Selected::idle();
                 }
             }
+
+            $(
+                #[task(binds = $trip_interrupt, priority = 8)]
+                fn $trip(_: $trip::Context) {
+                    Selected::trip();
+                }
+            )*
+
+            $(
+                #[task(binds = $current_interrupt, priority = 7)]
+                fn $current(_: $current::Context) {
+                    Selected::on_current();
+                }
+            )*
 
             $(
                 #[task(binds = $pulses_interrupt, priority = 6, shared = [step])]

@@ -3,7 +3,7 @@
 use canopen::{Duration, Instant};
 use cia402::inputs::{time_of_edge, Capture};
 use cia402::recorder::Memory;
-use cia402::{DriveConfig, Exchange, Inputs, Outputs, StepAxis};
+use cia402::{Actuator, AtPort, DriveConfig, Exchange, Inputs, Outputs, ServoAxis, StepAxis};
 use motion::{AxisConfig, Clock, DriverTiming};
 use rtic::Mutex;
 use runtime::{Lost, PowerStage};
@@ -26,9 +26,30 @@ pub const TIMING: DriverTiming = DriverTiming {
     direction_hold: ticks(5_000),
 };
 
+/// The control tick with an actuator.
+type ControlOf<A> = runtime::Control<Dictionary, &'static Memory, A>;
+
+/// What moves the motor of a board: how the control tick is made with it.
+pub trait Moving: Actuator + AtPort<SharedPulses> + Sized {
+    /// With the emitter and the scope of the firmware.
+    fn control(stepping: &'static Stepping, scope: &'static Memory) -> ControlOf<Self>;
+}
+
+impl Moving for StepAxis<SharedEmitter> {
+    fn control(stepping: &'static Stepping, scope: &'static Memory) -> ControlOf<Self> {
+        runtime::Control::with_emitter(CONFIG, scope, || SharedEmitter(stepping))
+    }
+}
+
+impl Moving for ServoAxis<SharedEmitter> {
+    fn control(stepping: &'static Stepping, scope: &'static Memory) -> ControlOf<Self> {
+        runtime::Control::servo_with_emitter(CONFIG, scope, || SharedEmitter(stepping))
+    }
+}
+
 /// The drive and what it works on.
 pub struct Control {
-    control: runtime::Control<Dictionary, &'static Memory, StepAxis<SharedEmitter>>,
+    control: ControlOf<<Selected as Board>::Axis>,
     stage: StepStage,
     lost: &'static Lost,
 }
@@ -43,7 +64,7 @@ impl Control {
         scope: &'static Memory,
     ) -> Self {
         Self {
-            control: runtime::Control::with_emitter(CONFIG, scope, || SharedEmitter(stepping)),
+            control: <Selected as Board>::Axis::control(stepping, scope),
             stage: StepStage {
                 pulses: SharedPulses(stepping),
                 stage,
@@ -146,7 +167,7 @@ pub const CONFIG: DriveConfig = {
         axis: AxisConfig {
             clock,
             segment: Selected::STEP_CLOCK_HZ / RATE_HZ / Selected::REFILLS,
-            timing: TIMING,
+            timing: Selected::TIMING,
         },
         tick: Duration::micros(1_000_000 / RATE_HZ as u64),
         refills: Selected::REFILLS,

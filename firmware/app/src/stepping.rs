@@ -5,7 +5,7 @@
 
 use core::sync::atomic::{AtomicBool, Ordering};
 
-use cia402::{Emitter, EmitterLock};
+use cia402::{Emitter, EmitterLock, ServoOrder, ServoPort, ServoReport};
 use motion::{PulseSink, Record, Ticks};
 use spin::{Mutex, MutexGuard};
 
@@ -136,5 +136,19 @@ impl Pulses for SharedPulses {
 
     fn mend(&mut self) {
         self.with(Pulses::mend);
+    }
+}
+
+impl ServoPort for SharedPulses {
+    fn order(&mut self, order: &ServoOrder) {
+        self.with(|pulses| pulses.order(order));
+    }
+
+    fn report(&self) -> ServoReport {
+        self.with(|pulses| pulses.report())
+    }
+
+    fn forget(&mut self) {
+        self.with(Pulses::forget);
     }
 }

@@ -10,7 +10,9 @@ use rtic::Mutex;
 use runtime::{inbox, Controller, Inbox, Lost, Node, PowerUp, Received, Signals};
 use store::Store;
 
-use crate::board::{self, Board, ControlTimer, InputLines, Parts, Receive, Selected, Steps};
+use crate::board::{
+    self, Board, ControlTimer, Desk as _, InputLines, Parts, Receive, Selected, Steps,
+};
 use crate::clock;
 use crate::control::{Control, CONFIG, RATE_HZ};
 use crate::dictionary::Dictionary;
@@ -77,6 +79,7 @@ pub struct Step {
 
 impl Step {
     /// An interrupt of the pulses.
+    #[allow(dead_code, reason = "a board with a servo binds no interrupt to it")]
     pub fn on_interrupt(&mut self) {
         self.steps.on_interrupt();
     }
@@ -102,6 +105,7 @@ impl Step {
 pub struct NodeTask {
     node: Node<Dictionary, Machine, Store<<Selected as Board>::Parameters>>,
     received: Received,
+    desk: <Selected as Board>::Desk,
 }
 
 impl NodeTask {
@@ -118,6 +122,7 @@ impl NodeTask {
             stop,
         };
         let deadline = (self.node).run(&mut around, &mut LockedBus(&mut bus), &mut self.received);
+        self.desk.attend(self.node.dictionary_mut());
         let now = clock::now();
         let wait = deadline.ticks().saturating_sub(now.ticks()).max(NEAREST);
         if wait < TICK {
@@ -133,6 +138,7 @@ pub fn start(device: <Selected as Board>::Device, timer: SYST, memory: Memory) -
     let Parts {
         pulses,
         steps,
+        desk,
         receiver,
         bus,
         stage,
@@ -182,6 +188,7 @@ pub fn start(device: <Selected as Board>::Device, timer: SYST, memory: Memory) -
             store,
         ),
         received,
+        desk,
     });
     let (mut exchange, mut bus) = (Alone(Exchange::new()), Alone(bus));
     let mut around = Around {

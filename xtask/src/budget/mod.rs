@@ -42,6 +42,14 @@ pub fn figures(whole: &Sizes) -> Result<Vec<(String, u64)>> {
         "compact, RAM with the stack".to_owned(),
         compact.total.ram + stack.start.max(stack.tasks),
     );
+    let servo = size::of(Image::Odrive)?;
+    row("odrive36, flash".to_owned(), servo.total.flash);
+    row("servo in it, flash".to_owned(), servo.flash_of("servo"));
+    let stack = stack_of(Image::Odrive)?;
+    row(
+        "odrive36, RAM with the stack".to_owned(),
+        servo.total.ram + stack.start.max(stack.tasks),
+    );
     for (name, folders) in [
         ("motion", &["motion"][..]),
         ("cia402", &["cia402", "cia402/parameters"]),
@@ -62,5 +70,6 @@ pub fn figures(whole: &Sizes) -> Result<Vec<(String, u64)>> {
 
 fn stack_of(image: Image) -> Result<stack::Depth> {
     let file = image.path();
-    stack::worst_case(&file).with_context(|| format!("the stack of {}", file.display()))
+    stack::worst_case(&file, image.board())
+        .with_context(|| format!("the stack of {}", file.display()))
 }

@@ -16,9 +16,8 @@ use crate::place;
 /// What the processor saves of an interrupted program: 26 words with those of the floating-point unit, and one to align them.
 const SAVED: u64 = 27 * 4;
 
-/// Where the tasks and their priorities are written, and which interrupts the board gives them.
+/// Where the tasks and their priorities are written.
 const TASKS: &str = "firmware/app/src/app.rs";
-const BOARD: &str = "firmware/app/src/board/stm32f405/mod.rs";
 
 /// How deep the stack can get, in bytes.
 #[derive(Clone, Copy, Debug)]
@@ -29,11 +28,11 @@ pub struct Depth {
     pub tasks: u64,
 }
 
-/// The deepest the stack of this image can get.
+/// The deepest the stack of this image can get; which interrupts the tasks have is written in the folder of its board.
 ///
 /// # Errors
 /// When the image cannot be read, or a handler has no priority in the sources.
-pub fn worst_case(image: &Path) -> Result<Depth> {
+pub fn worst_case(image: &Path, board: &str) -> Result<Depth> {
     let bytes = fs::read(image).with_context(|| format!("reading {}", image.display()))?;
     let file = object::File::parse(&*bytes).context("reading an ELF file")?;
     let program = Program::of(&file)?;
@@ -41,7 +40,8 @@ pub fn worst_case(image: &Path) -> Result<Depth> {
         let file = place::root().join(name);
         fs::read_to_string(file).with_context(|| format!("reading {name}"))
     };
-    let priorities = priorities(&source(TASKS)?, &source(BOARD)?);
+    let board = format!("firmware/app/src/board/{board}/mod.rs");
+    let priorities = priorities(&source(TASKS)?, &source(&board)?);
 
     let mut deepest: BTreeMap<u32, u64> = BTreeMap::new();
     for handler in &program.handlers {

@@ -347,7 +347,7 @@ fn played(step: Step, builds: impl IntoIterator<Item = Command>, command: Comman
     Ok(Run::Built(Played { step, command }))
 }
 
-fn lints() -> [Command; 3] {
+fn lints() -> [Command; 4] {
     let strict = |mut command: Command| {
         command.args(["--", "-D", "warnings"]);
         command
@@ -358,10 +358,13 @@ fn lints() -> [Command; 3] {
         command.args(["--target", TARGET]);
         command
     };
-    let mut emulator = app();
-    emulator.args(["--no-default-features", "--features", "qemu"]);
+    let with = |features| {
+        let mut command = app();
+        command.args(["--no-default-features", "--features", features]);
+        command
+    };
     let host = cargo(&["clippy", "--workspace", "--exclude", "app", "--all-targets"]);
-    [strict(host), strict(app()), strict(emulator)]
+    [host, app(), with("odrive36"), with("qemu")].map(strict)
 }
 
 fn documentation() -> [Command; 1] {
@@ -376,7 +379,13 @@ fn images() -> Result<Count> {
     let mut dictionaries = cargo(&["build", "--profile", PROFILE, "--package", "products"]);
     dictionaries.args(["--target", TARGET]);
     let mut sum = checks([dictionaries])?;
-    for image in [Image::NoPanic, Image::Board, Image::Compact, Image::Qemu] {
+    for image in [
+        Image::NoPanic,
+        Image::Board,
+        Image::Odrive,
+        Image::Compact,
+        Image::Qemu,
+    ] {
         let count = checks([image.build_command()?])?;
         if count.failed == 0 {
             image.keep()?;

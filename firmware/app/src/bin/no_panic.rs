@@ -42,6 +42,8 @@ mod motion_crate;
 mod outside;
 #[path = "no_panic/servo.rs"]
 mod servo;
+#[path = "no_panic/stage.rs"]
+mod stage;
 #[path = "no_panic/units.rs"]
 mod units;
 
@@ -469,6 +471,7 @@ fn main() -> ! {
             values();
             units::units();
             look(servo::servo().is_ok().into());
+            look(stage::loops(drive_config).is_ok().into());
             capture(&edges);
             pulses(&mut queue, &mut player);
             let due = (any() == 0).then(any_time);

@@ -8,19 +8,26 @@
 //! reads the timer that counts and handles the hard fault, `bin/no_panic.rs` has cells the compiler cannot see through
 //! and the function that does not exist.
 
+use canopen::od;
 use canopen::settings::Wish;
+use cia402::{ServoOrder, ServoReport};
 use embedded_storage::nor_flash::NorFlash;
 
+use crate::control::{Moving, TIMING};
 use crate::machine::Room;
-use motion::PulseSink;
+use motion::{DriverTiming, PulseSink};
 use runtime::{Controller, Inbox, Lights};
 
 #[cfg(feature = "rtt")]
 use defmt_rtt as _;
 
+#[cfg(not(feature = "qemu"))]
+mod chip;
 mod control_timer;
 #[cfg(not(feature = "rtt"))]
 mod no_log;
+#[cfg(feature = "odrive36")]
+mod odrive36;
 #[cfg(feature = "qemu")]
 mod qemu;
 mod scope_memory;
@@ -29,17 +36,33 @@ mod stm32f405;
 mod user_memory;
 
 pub use control_timer::ControlTimer;
+#[cfg(feature = "odrive36")]
+use odrive36 as own;
+#[cfg(feature = "odrive36")]
+pub use odrive36::Odrive36 as Selected;
 #[cfg(feature = "qemu")]
 pub use qemu::Qemu as Selected;
 pub use scope_memory::SCOPE_MEMORY;
 #[cfg(feature = "stm32f405")]
+use stm32f405 as own;
+#[cfg(feature = "stm32f405")]
 pub use stm32f405::Stm32f405 as Selected;
 
-#[cfg(any(
-    all(feature = "stm32f405", feature = "qemu"),
-    not(any(feature = "stm32f405", feature = "qemu"))
-))]
-compile_error!("exactly one of the features `stm32f405` and `qemu` chooses the board");
+#[cfg(not(any(
+    all(
+        feature = "stm32f405",
+        not(any(feature = "qemu", feature = "odrive36"))
+    ),
+    all(
+        feature = "odrive36",
+        not(any(feature = "qemu", feature = "stm32f405"))
+    ),
+    all(
+        feature = "qemu",
+        not(any(feature = "stm32f405", feature = "odrive36"))
+    ),
+)))]
+compile_error!("exactly one of the features `stm32f405`, `odrive36` and `qemu` chooses the board");
 
 /// What the firmware needs of a board.
 pub trait Board: Sized {
@@ -54,13 +77,19 @@ pub trait Board: Sized {
     const SYSTEM_TIMER_HZ: u32;
     /// The longest value of object 2020h "User memory", in bytes. There is room for two of them if the data sheet lists it.
     const USER_MEMORY: usize;
+    /// What the step driver asks for.
+    const TIMING: DriverTiming = TIMING;
     /// Words of samples that the scope has room for, if the data sheet lists it.
     const SCOPE_WORDS: usize;
 
-    /// Where the control tick puts step pulses in.
+    /// What moves the motor.
+    type Axis: Moving;
+    /// Where the control tick puts step pulses in, or the orders to a servo.
     type Pulses: Pulses + Send;
     /// What step pulses and captured positions need of an interrupt.
     type Steps: Steps + Send;
+    /// What a servo has beside its orders.
+    type Desk: Desk + Send;
     /// The interrupts of the CAN controller.
     type Receiver: Receive<Self::Bus> + Send;
     /// The CAN controller.
@@ -96,6 +125,20 @@ pub trait Board: Sized {
     /// The interrupt between two control ticks has been served.
     fn refill_done();
 
+    /// The currents of a servo are measured: once in each period of the modulation, above everything but [`Board::trip`].
+    #[allow(
+        dead_code,
+        reason = "a board with a step driver binds no interrupt to it"
+    )]
+    fn on_current() {}
+
+    /// The gate driver of a servo has a fault, above everything: no current.
+    #[allow(
+        dead_code,
+        reason = "a board with a step driver binds no interrupt to it"
+    )]
+    fn trip() {}
+
     /// Raises the wake interrupt after so many microseconds, fewer than a control tick has, in place of one that was to come.
     fn wake_in(microseconds: u32);
 
@@ -110,6 +153,7 @@ pub trait Board: Sized {
 pub struct Parts<B: Board> {
     pub pulses: B::Pulses,
     pub steps: B::Steps,
+    pub desk: B::Desk,
     pub receiver: B::Receiver,
     pub bus: B::Bus,
     pub stage: B::Stage,
@@ -145,12 +189,37 @@ pub trait Pulses: PulseSink {
 
     /// The motor gets current, and nothing is played: outputs that were cut off go on, if what has cut them off is over.
     fn mend(&mut self);
+
+    /// What a servo is to do from now on; a board with a step driver has none, as with the next two.
+    fn order(&mut self, order: &ServoOrder) {
+        let _ = order;
+    }
+
+    /// What a servo has told last.
+    fn report(&self) -> ServoReport {
+        ServoReport::NONE
+    }
+
+    /// The records not yet played are none any more.
+    fn forget(&mut self) {}
+}
+
+/// What a servo has beside its orders: gains, data and measurements of its motor, between the dictionary and its loops.
+pub trait Desk {
+    /// Hands on what masters have written, and shows what was found. Called behind each run of the node.
+    fn attend<D: od::Dictionary>(&mut self, dictionary: &mut D);
+}
+
+/// A step driver has none.
+impl Desk for () {
+    fn attend<D: od::Dictionary>(&mut self, _: &mut D) {}
 }
 
 /// The interrupts of the step pulses.
 pub trait Steps {
     /// A step is due, where the timer needs help with each; or the outputs were cut off by the break input, and what makes the pulses is
     /// to stop.
+    #[allow(dead_code, reason = "a board with a servo binds no interrupt to it")]
     fn on_interrupt(&mut self);
 
     /// What the counter of steps showed when an edge of this input came (counted from 0), as nearly as the board can tell.

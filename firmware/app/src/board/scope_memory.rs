@@ -8,5 +8,5 @@ use cia402::recorder::Memory;
 use crate::machine::SCOPE_WORDS;
 
 /// The memory of the scope. At the start of the chip it holds anything, and the recorder forgets that before anybody looks.
-#[cfg_attr(feature = "stm32f405", link_section = ".ccmram")]
+#[cfg_attr(not(feature = "qemu"), link_section = ".ccmram")]
 pub static SCOPE_MEMORY: Memory<[AtomicU32; SCOPE_WORDS]> = Memory::new();

@@ -4,7 +4,7 @@
 use crate::machine::{Room, USER_MEMORY};
 
 /// Room for two values. At the start of the chip it holds anything.
-#[cfg_attr(feature = "stm32f405", link_section = ".ccmram")]
+#[cfg_attr(not(feature = "qemu"), link_section = ".ccmram")]
 static mut ROOMS: [[u8; USER_MEMORY]; 2] = [[0; USER_MEMORY]; 2];
 
 /// Both rooms, cleared.

@@ -17,7 +17,7 @@ use ::servo::{Angle, Cascade, CurrentInterrupt, CurrentLoop, Implausible, Motor,
 
 use super::{any, any_u64, look};
 
-fn number() -> f32 {
+pub fn number() -> f32 {
     f32::from_bits(any())
 }
 
@@ -32,7 +32,7 @@ fn rotor() -> Rotor {
     }
 }
 
-fn angle() -> Angle {
+pub fn angle() -> Angle {
     Angle::from_turns(number()).plus(Angle::from_bits(any()))
 }
 
@@ -40,7 +40,7 @@ fn show(number: f32) {
     look(number.to_bits());
 }
 
-fn motor() -> Result<Motor, Implausible> {
+pub fn motor() -> Result<Motor, Implausible> {
     Motor {
         wiring: if any() == 0 {
             Wiring::TwoPhase
@@ -228,6 +228,7 @@ fn above(motor: &Motor) -> Result<(), Implausible> {
             },
             4 => show(thermal.run(number()) + thermal.share()),
             5 => look(bus.run(number()).into()),
+            8 => show(bus.chopping(number())),
             6 => show(bus.braking(number()) + derating.share(number())),
             7 => look(blocked.run(any() == 0, number()).into()),
             _ => look(loss.run(numbers(), numbers()).unwrap_or(9) as u32),

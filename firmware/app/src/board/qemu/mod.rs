@@ -23,17 +23,21 @@ use cortex_m_semihosting::{debug, heprintln};
 use stm32f4xx_hal::pac;
 
 use canopen::settings::Wish;
+use cia402::StepAxis;
 use motion::step_interrupt;
 use runtime::Lights;
 
 use super::{user_memory, Board, Parts, Stage};
 use crate::control::{RATE_HZ, TIMING};
+use crate::stepping::SharedEmitter;
 
 app! {
     device: stm32f4xx_hal::pac,
     dispatchers: [SPI1, SPI2, SPI3],
     pulses: [step: TIM2],
     edge: [edge: EXTI9_5],
+    trip: [],
+    current: [],
     can: [received: USART2],
     refill: [refill: TIM3],
     wake: [wake: TIM4],
@@ -53,8 +57,10 @@ impl Board for Qemu {
     const USER_MEMORY: usize = 20_480;
     const SCOPE_WORDS: usize = 5_120;
 
+    type Axis = StepAxis<SharedEmitter>;
     type Pulses = pulses::InterruptPulses;
     type Steps = pulses::StepPlayer;
+    type Desk = ();
     type Receiver = serial::Receiver;
     type Bus = serial::SerialBus;
     type Stage = IdealStage;
@@ -77,6 +83,7 @@ impl Board for Qemu {
                 player,
                 axis: inputs::Axis::open(),
             },
+            desk: (),
             receiver: serial::Receiver::new(),
             bus: serial::SerialBus::new(device.USART2),
             stage: IdealStage,

@@ -22,35 +22,32 @@
 //!
 //! Core 168 MHz, TIM1 168 MHz (step pulses), APB1 42 MHz (CAN), its timers 84 MHz (TIM2 counts steps, TIM3 refills, TIM5 time and the deadlines of the node).
 
-mod bit_timing;
-mod can;
-mod clocks;
 mod converter;
-mod end;
-mod flash;
 mod input_lines;
-mod mailboxes;
 mod pulse_timer;
 mod stage;
 mod switches;
-mod watchdog;
 
-use canopen::cia301::serial_number::fold;
+use cia402::StepAxis;
 use stm32f4xx_hal::gpio::{Output, Pull, Speed, PC12, PC6, PC7};
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::{Enable, Reset};
-use stm32f4xx_hal::signature::Uid;
 
+use super::chip::watchdog::Watchdog;
+use super::chip::{self, can, clocks, flash, CORE_HZ, TIMERS_HZ};
 use super::{user_memory, Board, Parts};
 use crate::control::RATE_HZ;
-use watchdog::Watchdog;
+use crate::stepping::SharedEmitter;
+pub use stage::{cut, has_power};
 
 app! {
     device: stm32f4xx_hal::pac,
     dispatchers: [SPI1, SPI2, SPI3],
     pulses: [cut_off: TIM1_BRK_TIM9],
     edge: [edge_of_first: EXTI4, edge: EXTI9_5],
+    trip: [],
+    current: [],
     can: [received: CAN1_RX0, sent: CAN1_TX, error: CAN1_SCE],
     refill: [refill: TIM3],
     wake: [wake: TIM5],
@@ -59,27 +56,18 @@ app! {
 /// The board.
 pub struct Stm32f405;
 
-/// Clock of the core.
-const CORE_HZ: u32 = 168_000_000;
-
-/// Clock of the timers on APB1.
-const TIMERS_HZ: u32 = 84_000_000;
-
-/// Time without a sign of life after which the board starts anew. Erasing a flash sector stops the core for 0.5 s at most, and each operation
-/// of the flash begins with a sign of life; the watchdog's oscillator has 17 to 47 kHz instead of its nominal 32 kHz, so it bites after 0.68
-/// to 1.9 s. The ring of step pulses is silent for longer than that.
-const WATCHDOG_MS: u16 = 1_000;
-
 impl Board for Stm32f405 {
-    const TICKS_PER_MICROSECOND: u32 = TIMERS_HZ / 1_000_000;
+    const TICKS_PER_MICROSECOND: u32 = chip::TICKS_PER_MICROSECOND;
     const STEP_CLOCK_HZ: u32 = CORE_HZ;
     const REFILLS: u32 = 4;
     const USER_MEMORY: usize = 4_096;
     const SCOPE_WORDS: usize = 1_024;
     const SYSTEM_TIMER_HZ: u32 = CORE_HZ;
 
+    type Axis = StepAxis<SharedEmitter>;
     type Pulses = pulse_timer::TimerPulses;
     type Steps = pulse_timer::Interrupts;
+    type Desk = ();
     type Receiver = can::Receiver;
     type Bus = can::Controller;
     type Stage = stage::StepStage;
@@ -91,7 +79,7 @@ impl Board for Stm32f405 {
 
     fn start(device: pac::Peripherals) -> Parts<Self> {
         // First of all: a crystal that does not start then means another try, not silence for ever.
-        let watchdog = Watchdog::start(device.IWDG, WATCHDOG_MS, &device.DBGMCU);
+        let watchdog = Watchdog::start(device.IWDG, chip::WATCHDOG_MS, &device.DBGMCU);
         let mut rcc = clocks::start(device.RCC);
         clocks::watch_supply(&device.PWR, &device.EXTI, &mut rcc);
 
@@ -128,9 +116,7 @@ impl Board for Stm32f405 {
             c.pc12.into_push_pull_output(),
         );
 
-        pac::TIM5::enable(&mut rcc);
-        pac::TIM5::reset(&mut rcc);
-        device.TIM5.cr1().write(|w| w.cen().set_bit());
+        chip::start_time(device.TIM5, &mut rcc);
 
         // A debugger that stops the core stops the pulses too, and the time by which they would be late.
         device
@@ -204,6 +190,7 @@ impl Board for Stm32f405 {
         Parts {
             pulses,
             steps,
+            desk: (),
             receiver: can::Receiver,
             bus: can::Controller::new(device.CAN1, can_pins, &mut rcc),
             stage,
@@ -212,15 +199,14 @@ impl Board for Stm32f405 {
             parameters: flash::ParameterSectors::new(device.FLASH),
             switches: switches::read(&digits),
             factory_reset: switches::is_held(&factory_reset),
-            serial_number: serial_number(),
+            serial_number: chip::serial_number(),
             // SAFETY: the peripherals exist once, so this function is called once.
             user_memory: unsafe { user_memory::take() },
         }
     }
 
     fn ticks() -> u32 {
-        // SAFETY: reading the counter of TIM5 has no effect, and nobody writes it once it runs.
-        unsafe { (*pac::TIM5::ptr()).cnt().read().bits() }
+        chip::ticks()
     }
 
     fn input_levels() -> u8 {
@@ -242,42 +228,14 @@ impl Board for Stm32f405 {
     }
 
     fn wake_in(microseconds: u32) {
-        let at = Self::ticks().wrapping_add(microseconds * Self::TICKS_PER_MICROSECOND);
-        // SAFETY: the node task alone writes these registers, which have the compare interrupt of TIM5 and nothing of its counter. A
-        // moment that has passed before it is written is missed, and the next control tick runs the task.
-        unsafe {
-            let timer = &*pac::TIM5::ptr();
-            timer.ccr1().write(|w| w.bits(at));
-            timer.sr().write(|w| w.cc1if().clear_bit());
-            timer.dier().write(|w| w.cc1ie().set_bit());
-        }
+        chip::wake_in(microseconds);
     }
 
     fn woken() {
-        // SAFETY: as in `wake_in`; the interrupt has the priority of the node task.
-        unsafe {
-            let timer = &*pac::TIM5::ptr();
-            timer.dier().write(|w| w.cc1ie().clear_bit());
-            timer.sr().write(|w| w.cc1if().clear_bit());
-            // The write is through before the interrupt is left, or it would come once more.
-            let _ = timer.sr().read();
-        }
+        chip::woken();
     }
 
     fn idle() {
         cortex_m::asm::wfi();
     }
-}
-
-/// The 96 bits that ST gives each chip, folded to 32: place on the wafer, number of the wafer, lot (RM0090, 39.1).
-fn serial_number() -> u32 {
-    let uid = Uid::get();
-    let [x, y] = [uid.x().to_le_bytes(), uid.y().to_le_bytes()];
-    let wafer = [uid.waf_num()];
-    let bytes = x
-        .into_iter()
-        .chain(y)
-        .chain(wafer)
-        .chain(uid.lot_num().bytes());
-    fold(bytes)
 }

@@ -10,7 +10,7 @@ use runtime::Lights;
 
 use super::converter::Converter;
 use super::input_lines::Guard;
-use super::watchdog::Watchdog;
+use crate::board::chip::watchdog::Watchdog;
 use crate::board::Stage;
 
 /// Error code 5400h of CiA 402: the hardware of the power section.
@@ -112,6 +112,29 @@ pub fn is_well() -> bool {
         (a.idr().read(), c.idr().read())
     };
     a.idr3().is_high() && c.idr0().is_high()
+}
+
+/// Bits of the registers: the clocks of GPIOA and GPIOC, the clock of TIM1, the pins PA2 and PC2.
+const PORTS: u32 = 1 << 0 | 1 << 2;
+const TIM1: u32 = 1 << 0;
+const ENABLE_HIGH: u32 = 1 << 2;
+const BRAKE_LOW: u32 = 1 << (16 + 2);
+
+/// Takes the current from the motor, closes the brake and ends the pulses, whoever owns the pins. Nothing runs after it but a log line.
+#[inline(always)]
+pub fn cut() {
+    // SAFETY: the owners of these registers never run again. The clocks come first, as this may be before they were set up; a pin that is no
+    // output yet is held by the resistors around the chip. BDTR without MOE drives both outputs low, or leaves them to their resistors.
+    unsafe {
+        let rcc = &*pac::RCC::ptr();
+        rcc.ahb1enr().modify(|r, w| w.bits(r.bits() | PORTS));
+        rcc.apb2enr().modify(|r, w| w.bits(r.bits() | TIM1));
+        (*pac::GPIOA::ptr()).bsrr().write(|w| w.bits(ENABLE_HIGH));
+        (*pac::GPIOC::ptr()).bsrr().write(|w| w.bits(BRAKE_LOW));
+        (*pac::TIM1::ptr())
+            .bdtr()
+            .modify(|_, w| w.moe().clear_bit());
+    }
 }
 
 /// Whether the enable pin lets current into the motor.

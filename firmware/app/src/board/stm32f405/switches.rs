@@ -5,7 +5,7 @@
 use canopen::settings::{Switches, Wish};
 use stm32f4xx_hal::gpio::{ErasedPin, Input};
 
-use super::CORE_HZ;
+use crate::board::chip::CORE_HZ;
 
 /// How long the input for the factory reset must be held from power-up on, in milliseconds.
 const HOLD_MS: u32 = 100;

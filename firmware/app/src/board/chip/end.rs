@@ -1,37 +1,15 @@
 //! The end of a run: a panic, a fault of the processor, an interrupt that nobody has, a crystal or a supply that fails.
 //!
-//! [`cut`] comes first, whatever has happened: no current, the brake closed, no pulse. Then a log line, and the watchdog starts the board anew.
+//! [`cut`] of the board comes first, whatever has happened: no current, the brake closed, no pulse. Then a log line, and the watchdog starts the board anew.
 
 use core::panic::PanicInfo;
 
 use cortex_m_rt::exception;
-use stm32f4xx_hal::pac;
+
+use crate::board::own::cut;
 
 /// Where a stack may lie.
 const RAM: core::ops::RangeInclusive<u32> = 0x2000_0000..=0x2001_FFE0;
-
-/// Bits of the registers: the clocks of GPIOA and GPIOC, the clock of TIM1, the pins PA2 and PC2.
-const PORTS: u32 = 1 << 0 | 1 << 2;
-const TIM1: u32 = 1 << 0;
-const ENABLE_HIGH: u32 = 1 << 2;
-const BRAKE_LOW: u32 = 1 << (16 + 2);
-
-/// Takes the current from the motor, closes the brake and ends the pulses, whoever owns the pins. Nothing runs after it but a log line.
-#[inline(always)]
-fn cut() {
-    // SAFETY: the owners of these registers never run again. The clocks come first, as this may be before they were set up; a pin that is no
-    // output yet is held by the resistors around the chip. BDTR without MOE drives both outputs low, or leaves them to their resistors.
-    unsafe {
-        let rcc = &*pac::RCC::ptr();
-        rcc.ahb1enr().modify(|r, w| w.bits(r.bits() | PORTS));
-        rcc.apb2enr().modify(|r, w| w.bits(r.bits() | TIM1));
-        (*pac::GPIOA::ptr()).bsrr().write(|w| w.bits(ENABLE_HIGH));
-        (*pac::GPIOC::ptr()).bsrr().write(|w| w.bits(BRAKE_LOW));
-        (*pac::TIM1::ptr())
-            .bdtr()
-            .modify(|_, w| w.moe().clear_bit());
-    }
-}
 
 /// Until the watchdog bites.
 fn wait() -> ! {

@@ -133,7 +133,7 @@ impl NorFlash for ParameterSectors {
 
     fn erase(&mut self, from: u32, to: u32) -> Result<(), NorFlashErrorKind> {
         embedded_storage::nor_flash::check_erase(self, from, to)?;
-        if super::stage::has_power() {
+        if crate::board::own::has_power() {
             return Err(NorFlashErrorKind::Other);
         }
         self.opened(|sectors| {

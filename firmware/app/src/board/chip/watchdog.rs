@@ -2,6 +2,8 @@
 
 use stm32f4xx_hal::pac::{DBGMCU, IWDG};
 
+use crate::board::own;
+
 /// Keys of IWDG_KR (RM0090, 21.4.1).
 const START: u16 = 0xCCCC;
 const ACCESS: u16 = 0x5555;
@@ -44,7 +46,7 @@ impl Watchdog {
     /// The same from who has something to do that takes longer, while the motor has no current: nothing is to be feared then.
     #[inline(never)]
     pub fn feed_at_rest() {
-        if !super::stage::has_power() {
+        if !own::has_power() {
             // SAFETY: a key of the register, which only feeds; the control tick writes no other one either.
             unsafe { (*IWDG::ptr()).kr().write(|w| w.key().bits(FEED)) };
         }

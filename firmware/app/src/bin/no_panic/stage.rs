@@ -1,0 +1,144 @@
+//! The loops of a servo on a board, and what its stage is told and says, with any counts.
+
+use ::servo::interrupt::Counts;
+use ::servo::stage::drv8301::{Gain, Settings};
+use ::servo::stage::{sensors, thermistor, Counter, GateDriver};
+use ::servo::Implausible;
+use cia402::recorder::Memory;
+use cia402::{DriveConfig, Exchange, Inputs, Outputs, ServoAxis};
+use motion::{PulseSink, Record};
+use runtime::servo::{Current, Desk, Link, Loops, Port, ServoData, StageData};
+use runtime::{Control, PowerStage};
+
+use super::dictionary::Dictionary;
+use super::servo::{angle, motor, number};
+use super::{any, any_inputs, any_time, any_u64, look, SCOPE};
+
+static LINK: Link = Link::new();
+
+fn data() -> Result<ServoData, Implausible> {
+    Ok(ServoData {
+        motor: motor()?,
+        friction: number(),
+        bandwidth: number(),
+        speed: any(),
+        stage: StageData {
+            period: number(),
+            control: any() as u8,
+            voltage: number(),
+            dead_time: number(),
+            ripple: number(),
+            reach: number(),
+            current: number(),
+            middle: (any() as u16, any() as u16),
+            bus: number(),
+            bears: (number(), number()),
+        },
+    })
+}
+
+struct AnyServo(Port);
+
+impl PowerStage for AnyServo {
+    type Pulses = Port;
+
+    fn pulses(&mut self) -> &mut Port {
+        &mut self.0
+    }
+
+    fn service(&mut self) {
+        self.0.pass(any());
+    }
+
+    fn look(&mut self, inputs: &mut Inputs) -> canopen::Instant {
+        *inputs = any_inputs();
+        any_time()
+    }
+
+    fn measure(&mut self, inputs: &mut Inputs) {
+        *inputs = any_inputs();
+    }
+
+    fn carry_out(&mut self, outputs: &Outputs) {
+        LINK.energise(outputs.power_stage);
+    }
+
+    fn drop_pulses(&mut self) {
+        look(0);
+    }
+}
+
+/// The loops, their link, and a drive with a servo axis above.
+#[inline(never)]
+pub fn loops(config: DriveConfig) -> Result<(), Implausible> {
+    let magnet = (any() == 0).then(angle);
+    let mut current = Current::new(Loops::new(&data()?, any() as u16, magnet)?, &LINK, any());
+    let mut desk = Desk::default();
+    let mut dictionary = Dictionary::new();
+    let mut stage = AnyServo(Port::new(&LINK, any(), any() as u16));
+    let mut exchange = Exchange::new();
+    let mut control: Control<Dictionary, &'static Memory, ServoAxis> =
+        Control::servo(config, &SCOPE);
+    let settings = Settings {
+        limit: any() as u8,
+        gain: Gain::Forty,
+    };
+    let mut gates = GateDriver::new(settings);
+    while any() != 0 {
+        match any() {
+            0 => {
+                let counts = Counts {
+                    currents: sensors::three_of_two(any() as u16, any() as u16, any() as u16),
+                    bus: any() as u16,
+                    timer: any() as u16,
+                };
+                let counter = Counter::new(any() as u16);
+                let widths = current.period(&counts);
+                for width in widths.into_iter().flatten() {
+                    look(counter.half_bridge(width).into());
+                    counter
+                        .full_bridge(width)
+                        .into_iter()
+                        .for_each(|value| look(value.into()));
+                }
+                look(current.control(&counts, any()).into());
+                let values = counter.chopper(current.chopping(&counts), any() as u16);
+                values.into_iter().for_each(|value| look(value.into()));
+            }
+            1 => {
+                let (settings, request) = desk.read(&dictionary);
+                LINK.wish(settings, request);
+                desk.show(&mut dictionary, &LINK.found());
+            }
+            2 => {
+                LINK.measured(thermistor::tenths(any() as u16), any() == 0);
+                look(LINK.told().millivolts);
+            }
+            3 => {
+                let answer = (any() == 0).then(|| any() as u16);
+                let action = gates.tick(answer, any() == 0, any() == 0);
+                look(action.send.map_or(0, u32::from) ^ u32::from(action.enable));
+                look(u32::from(gates.is_ready()) ^ gates.fault().map_or(0, u32::from));
+            }
+            4 => gates.mend(),
+            5 => look(stage.0.position_at(any() as u16) as u32),
+            6 => {
+                let record = Record {
+                    period: any(),
+                    repeat: any() as u16,
+                    width: any() as u16,
+                    direction: motion::Direction::Forward,
+                };
+                look(stage.0.push(record).is_ok().into());
+            }
+            7 => look(control.stop(&mut stage, &mut exchange).into()),
+            8 => control.refill(&mut stage),
+            _ => {
+                let (now, next) = control.tick(any(), any() == 0, &mut stage, &mut exchange);
+                look(now.ticks() as u32 + next.map_or(0, |next| next.ticks() as u32));
+            }
+        }
+        look(any_u64() as u32);
+    }
+    Ok(())
+}

@@ -1,0 +1,62 @@
+//! The words to the gate driver of M0 over SPI3, a word in a control tick. What they say is in [`servo::stage::drv8301`].
+
+use stm32f4xx_hal::gpio::{Alternate, Output, PC10, PC11, PC12, PC13};
+use stm32f4xx_hal::pac;
+use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
+
+/// Bits of CR1 (RM0090, 28.5.1): 16 bits, chip select by software, 42 MHz / 16, master; data are taken over at the second edge.
+const CPHA: u16 = 1;
+const MSTR: u16 = 1 << 2;
+const BY_16: u16 = 3 << 3;
+const SPE: u16 = 1 << 6;
+const SSI: u16 = 1 << 8;
+const SSM: u16 = 1 << 9;
+const DFF: u16 = 1 << 11;
+
+/// SPI3 with the gate driver.
+pub struct Words {
+    spi: pac::SPI3,
+    select: PC13<Output>,
+    is_sent: bool,
+}
+
+impl Words {
+    /// Nothing is sent. `select` is high.
+    pub fn new(
+        spi: pac::SPI3,
+        _pins: (PC10<Alternate<6>>, PC11<Alternate<6>>, PC12<Alternate<6>>),
+        select: PC13<Output>,
+        rcc: &mut Rcc,
+    ) -> Self {
+        pac::SPI3::enable(rcc);
+        pac::SPI3::reset(rcc);
+        let settings = CPHA | MSTR | BY_16 | SSI | SSM | DFF;
+        // SAFETY: bits of the register.
+        unsafe {
+            spi.cr1().write(|w| w.bits(settings));
+            spi.cr1().write(|w| w.bits(settings | SPE));
+        }
+        Self {
+            spi,
+            select,
+            is_sent: false,
+        }
+    }
+
+    /// What came with the word of the tick before, 6 µs of the millisecond since.
+    pub fn take(&mut self) -> Option<u16> {
+        if !core::mem::take(&mut self.is_sent) {
+            return None;
+        }
+        self.select.set_high();
+        let is_there = self.spi.sr().read().rxne().bit_is_set();
+        is_there.then(|| self.spi.dr().read().dr().bits())
+    }
+
+    /// Sends a word; nobody waits for its end.
+    pub fn send(&mut self, word: u16) {
+        self.select.set_low();
+        self.spi.dr().write(|w| w.dr().set(word));
+        self.is_sent = true;
+    }
+}

@@ -1,0 +1,67 @@
+//! The motor at M0, and what the board measures of it. A master may say more of the motor (20C2h); what is fixed here is its encoder, its pole pairs, its currents and the bus.
+//!
+//! It is the motor of the virtual axis `servo_100w`. Another one is another `DATA`.
+
+use runtime::servo::{ServoData, StageData};
+use servo::stage::drv8301::{Gain, Settings};
+use servo::{Motor, Wiring};
+
+use super::pwm;
+use crate::board::chip::CORE_HZ;
+
+/// Gain of the amplifiers behind the shunts: ±41 A, of which the trip is 24 A.
+const GAIN: Gain = Gain::Eighty;
+
+/// The shunts of phases B and C, in Ω (board version 3.4 and later).
+const SHUNT: f32 = 500e-6;
+
+/// The count without a current, and how far from it an amplifier may be.
+pub const MIDDLE: u16 = 2_048;
+const SPREAD: u16 = 200;
+
+/// Volts of a count of the converters.
+const COUNT: f32 = 3.3 / 4_096.0;
+
+/// What the voltage of the bus is divided by on boards for 48 V and more.
+const DIVIDER: f32 = 19.0;
+
+/// The gate driver: a switch that has 0.73 V while it is on carries too much, about 150 A.
+pub const GATES: Settings = Settings {
+    limit: 21,
+    gain: GAIN,
+};
+
+/// The period of the modulation, in counts of its timer, is twice the top.
+const PERIOD: f32 = 2.0 * pwm::TOP as f32;
+
+/// See the module.
+pub const DATA: ServoData = ServoData {
+    motor: Motor {
+        wiring: Wiring::ThreePhase,
+        pole_pairs: 4,
+        resistance: 0.6,
+        inductance_d: 0.8e-3,
+        inductance_q: 0.8e-3,
+        flux: 13.33e-3,
+        rated_current: 4.0,
+        peak_current: 12.0,
+        inertia: 19.6e-6,
+        counts: 10_000,
+    },
+    friction: 5e-3,
+    bandwidth: 600.0,
+    speed: 3_000,
+    stage: StageData {
+        period: PERIOD / CORE_HZ as f32,
+        control: 5,
+        voltage: 48.0,
+        dead_time: pwm::DEAD as f32 / PERIOD,
+        ripple: 0.3,
+        // 5 % of the period, 2.5 µs, are left for the currents to be seen at the lower switches.
+        reach: 0.9,
+        current: COUNT / GAIN.factor() / SHUNT,
+        middle: (MIDDLE, SPREAD),
+        bus: COUNT * DIVIDER,
+        bears: (40.0, 2.0),
+    },
+};

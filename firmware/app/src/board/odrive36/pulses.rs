@@ -1,0 +1,76 @@
+//! The port of the servo axis, in place of pulses; and the desk of the dictionary.
+
+use canopen::od;
+use cia402::{ServoOrder, ServoPort, ServoReport};
+use motion::{PulseSink, Record, Ticks};
+use runtime::servo::{self, Link, Port};
+
+use crate::board::{chip, Desk, Pulses};
+
+/// Records that are nothing but time, and orders.
+pub struct Orders(pub Port);
+
+impl PulseSink for Orders {
+    fn push(&mut self, record: Record) -> Result<(), Record> {
+        self.0.push(record)
+    }
+
+    fn pending(&self) -> Ticks {
+        self.0.pending()
+    }
+
+    fn free(&self) -> usize {
+        self.0.free()
+    }
+}
+
+impl Pulses for Orders {
+    fn service(&mut self) {
+        self.0.pass(chip::ticks());
+    }
+
+    fn position(&mut self) -> i64 {
+        self.0.position()
+    }
+
+    fn position_at(&self, count: u32) -> i32 {
+        self.0.position_at(count as u16) as i32
+    }
+
+    fn drop_all(&mut self) {
+        self.0.forget();
+    }
+
+    // The stage tells it.
+    fn fault(&self) -> Option<u16> {
+        None
+    }
+
+    fn mend(&mut self) {}
+
+    fn order(&mut self, order: &ServoOrder) {
+        self.0.order(order);
+    }
+
+    fn report(&self) -> ServoReport {
+        self.0.report()
+    }
+
+    fn forget(&mut self) {
+        self.0.forget();
+    }
+}
+
+/// The desk at its end of the link.
+pub struct LinkedDesk {
+    pub link: &'static Link,
+    pub desk: servo::Desk,
+}
+
+impl Desk for LinkedDesk {
+    fn attend<D: od::Dictionary>(&mut self, dictionary: &mut D) {
+        let (settings, request) = self.desk.read(dictionary);
+        self.link.wish(settings, request);
+        self.desk.show(dictionary, &self.link.found());
+    }
+}
