@@ -11,7 +11,7 @@ use runtime::{inbox, Controller, Inbox, Lost, Node, PowerUp, Received, Signals};
 use store::Store;
 
 use crate::board::{
-    self, Board, ControlTimer, Desk as _, InputLines, Parts, Receive, Selected, Steps,
+    self, Board, ControlTimer, Desk, InputLines, Parts, Receive, Selected, Steps,
 };
 use crate::clock;
 use crate::control::{Control, CONFIG, RATE_HZ};
@@ -122,7 +122,7 @@ impl NodeTask {
             stop,
         };
         let deadline = (self.node).run(&mut around, &mut LockedBus(&mut bus), &mut self.received);
-        self.desk.attend(self.node.dictionary_mut());
+        Desk::attend(&mut self.desk, self.node.dictionary_mut());
         let now = clock::now();
         let wait = deadline.ticks().saturating_sub(now.ticks()).max(NEAREST);
         if wait < TICK {

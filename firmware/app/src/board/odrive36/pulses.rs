@@ -72,5 +72,6 @@ impl Desk for LinkedDesk {
         let (settings, request) = self.desk.read(dictionary);
         self.link.wish(settings, request);
         self.desk.show(dictionary, &self.link.found());
+        servo::Desk::show_lead(dictionary, self.link.lead());
     }
 }

@@ -106,8 +106,7 @@ impl Stage for ServoStage {
         inputs.supply_voltage = Some(told.millivolts);
         inputs.warning = told.is_hot.then_some(HEAT);
         inputs.stall = Some(told.is_stalled);
-        // Its following error tells.
-        inputs.slack = i32::MAX.unsigned_abs();
+        inputs.slack = told.slack;
         // Before the first reading there is no current.
         let hot = temperature.unwrap_or(0);
         let fault = self.driver.fault();

@@ -214,7 +214,7 @@ impl Board for Stm32f405 {
     }
 
     fn must_stop() -> bool {
-        stage::has_power() && !stage::is_well()
+        has_power() && !stage::is_well()
     }
 
     fn refill_done() {
