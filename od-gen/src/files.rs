@@ -8,12 +8,20 @@ use std::path::Path;
 /// The longest file that is read, in bytes. The longest data sheets on the market have a few.
 pub const LIMIT: u64 = 64 << 20;
 
-/// The bytes of a file.
+/// Where the shell puts what is piped in: somebody is at the other end.
+const PIPED: [&str; 3] = ["/dev/fd", "/dev/stdin", "/proc/self/fd"];
+
+/// The bytes of a file, or of what is piped in. Any other pipe may never begin, and a device never end.
 ///
 /// # Errors
-/// It cannot be read, or has more than [`LIMIT`] bytes.
+/// It cannot be read, has more than [`LIMIT`] bytes, or is no file.
 pub fn read(path: &Path) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
+    let kind = fs::metadata(path)?.file_type();
+    let is_piped = PIPED.iter().any(|place| path.starts_with(place));
+    if !kind.is_file() && !kind.is_dir() && !is_piped {
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "it is no file"));
+    }
     File::open(path)?.take(LIMIT + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > LIMIT {
         let text = format!("longer than {} MB, the limit", LIMIT >> 20);
@@ -90,6 +98,11 @@ mod tests {
     #[test]
     fn what_never_ends_is_refused() {
         let error = read(Path::new("/dev/zero")).unwrap_err();
+        assert_eq!(error.to_string(), "it is no file");
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("long");
+        File::create(&file).unwrap().set_len(LIMIT + 1).unwrap();
+        let error = read(&file).unwrap_err();
         assert_eq!(error.to_string(), "longer than 64 MB, the limit");
     }
 }

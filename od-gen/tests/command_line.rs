@@ -117,6 +117,30 @@ fn a_wrong_command_line_or_file_is_one_line_with_exit_code_2() {
     }
 }
 
+/// A pipe that nobody writes to kept it waiting for ever. What the shell pipes in is read.
+#[cfg(unix)]
+#[test]
+fn what_is_no_file_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let pipe = folder.path().join("pipe");
+    let made = Command::new("mkfifo").arg(&pipe).status().unwrap();
+    assert!(made.success());
+    for file in [pipe.to_str().unwrap(), "/dev/zero"] {
+        for command in ["check", "doc", "dump", "rust", "fmt"] {
+            let output = od_gen(&[command, file]);
+            let expected = format!("{file}: error: it is no file\n");
+            assert_eq!(text(&output.stderr), expected, "{command}");
+            assert_eq!(output.status.code(), Some(2), "{command}");
+        }
+    }
+    let piped = Command::new(env!("CARGO_BIN_EXE_od-gen"))
+        .args(["check", "/dev/stdin"])
+        .stdin(std::fs::File::open("tests/data/small.eds").unwrap())
+        .output()
+        .unwrap();
+    assert_eq!(piped.status.code(), Some(0), "{piped:?}");
+}
+
 #[test]
 fn a_reader_of_the_errors_that_goes_away_changes_nothing() {
     for (file, code) in [("tests/data/broken.eds", 1), ("no-such.eds", 2)] {

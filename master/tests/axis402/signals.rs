@@ -1,6 +1,6 @@
 //! Signals end the program, whatever it waits for.
 
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Write};
 use std::process::{Command, Stdio};
 
 use sim::drive::Setup;
@@ -33,18 +33,16 @@ fn a_monitor_runs_until_it_is_stopped() {
 #[test]
 fn a_signal_ends_a_program_that_waits_for_a_file() {
     let served = Served::start(Setup::with_node_id(1, 4));
-    let folder = tempfile::tempdir().unwrap();
-    let pipe = folder.path().join("pipe");
-    let made = Command::new("mkfifo").arg(&pipe).status().unwrap();
-    assert!(made.success());
     let address = served.address.to_string();
     let mut load = Command::new(env!("CARGO_BIN_EXE_axis402"))
         .args(["--slcan", &address, "--timeout", "50", "od", "load", "4"])
-        .arg(&pipe)
+        .arg("/dev/stdin")
+        .stdin(Stdio::piped())
         .spawn()
         .unwrap();
-    // Opened when it reads from there, and nothing comes.
-    let writer = std::fs::File::options().write(true).open(&pipe).unwrap();
+    // What comes is not all that there is: the rest is waited for.
+    let mut writer = load.stdin.take().unwrap();
+    writer.write_all(&[b'\n'; 1 << 17]).unwrap();
     let signal = format!("kill -TERM {0}; kill -TERM {0}", load.id());
     let kill = Command::new("sh").args(["-c", &signal]).status().unwrap();
     assert!(kill.success());

@@ -207,7 +207,7 @@ fn real_limits(entry: &Entry) -> Option<(DefaultValue, DefaultValue)> {
     }
     let number = |limit: Option<Limit>, none: f64| match limit {
         Some(Limit::Real(value)) => value,
-        Some(Limit::Integer(_)) | None => none,
+        Some(Limit::Integer(_) | Limit::NodeId(_)) | None => none,
     };
     let low = number(entry.low_limit, f64::NEG_INFINITY);
     let high = number(entry.high_limit, f64::INFINITY);

@@ -1,5 +1,6 @@
 //! Defaults and limits.
 
+use std::cmp::Ordering;
 use std::fmt;
 
 /// A value at power-on, or one that a DCF configures.
@@ -39,21 +40,42 @@ impl DefaultValue {
     }
 }
 
-/// LowLimit or HighLimit.
-#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+/// LowLimit or HighLimit. Those of one kind have an order.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Limit {
     /// Of an integer.
     Integer(i128),
+    /// Of an integer, with the node-ID added.
+    NodeId(i128),
     /// Of a REAL32 or REAL64.
     Real(f64),
 }
 
 impl Limit {
-    /// The limit of an integer.
+    /// The limit of an integer, where it is the same for every node-ID.
     pub fn integer(self) -> Option<i128> {
         match self {
             Self::Integer(value) => Some(value),
-            Self::Real(_) => None,
+            Self::NodeId(_) | Self::Real(_) => None,
+        }
+    }
+
+    /// What it is in a node with this node-ID.
+    pub fn of_node(self, node_id: u8) -> Self {
+        match self {
+            Self::NodeId(value) => Self::Integer(value.saturating_add(node_id.into())),
+            other => other,
+        }
+    }
+}
+
+impl PartialOrd for Limit {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        match (self, other) {
+            (Self::Integer(own), Self::Integer(other))
+            | (Self::NodeId(own), Self::NodeId(other)) => own.partial_cmp(other),
+            (Self::Real(own), Self::Real(other)) => own.partial_cmp(other),
+            _ => None,
         }
     }
 }
@@ -62,6 +84,8 @@ impl fmt::Display for Limit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Integer(value) => value.fmt(f),
+            Self::NodeId(0) => f.write_str("node-ID"),
+            Self::NodeId(value) => write!(f, "{value:X}h + node-ID"),
             Self::Real(value) => value.fmt(f),
         }
     }

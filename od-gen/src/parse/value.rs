@@ -33,9 +33,15 @@ pub(super) fn limit(
         findings.report(&rule::LIMIT_OF_NO_NUMBER, written.span, message);
         return None;
     }
-    let number = Number::parse(written.text);
-    let number = findings.take(&rule::NOT_A_NUMBER, written.span, number);
-    let number = number.or_else(|| Number::meant(written.text))?;
+    let parsed = findings.take(
+        &rule::NOT_A_NUMBER,
+        written.span,
+        DefaultNumber::parse(written.text),
+    );
+    let DefaultNumber {
+        number,
+        adds_node_id,
+    } = parsed.or_else(|| DefaultNumber::meant(written.text))?;
     let nearest = |value: i128, (low, high)| value.clamp(low, high);
     let value = fit(
         number,
@@ -44,7 +50,13 @@ pub(super) fn limit(
         (&rule::LIMIT_TYPE, nearest),
         findings,
     )?;
-    Some(Limit::Integer(value))
+    if !adds_node_id {
+        return Some(Limit::Integer(value));
+    }
+    let message = format!("{} {} differs from node to node", written.key, written.text);
+    findings.report(&rule::LIMIT_OF_NODE, written.span, message);
+    // The file has it; a generated dictionary does not.
+    (!findings.is_for_code()).then_some(Limit::NodeId(value))
 }
 
 /// Reads a default, or what a DCF configures; `None` where it is wrong or means nothing, which has been reported.

@@ -160,7 +160,7 @@ fn fill(entry: &mut Entry, numbers: [u64; 3], text: String, adds_node_id: bool) 
                 value: value.min(high - 127),
                 adds_node_id,
             });
-            (entry.low_limit, entry.high_limit) = (None, None);
+            (entry.low_limit, entry.high_limit) = (Some(Limit::NodeId(first.max(0))), None);
         }
     } else if data_type.is_real() {
         let value = f64::from(f32::from_bits(numbers[0] as u32));

@@ -37,6 +37,13 @@ pub(crate) fn value(value: &DefaultValue, data_type: DataType) -> String {
 pub(super) fn limit(limit: Limit, data_type: DataType) -> String {
     match limit {
         Limit::Integer(value) => number(value, data_type),
+        Limit::NodeId(number) => value(
+            &DefaultValue::Number {
+                value: number,
+                adds_node_id: true,
+            },
+            data_type,
+        ),
         Limit::Real(value) => real(value, data_type),
     }
 }

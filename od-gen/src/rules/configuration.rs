@@ -97,7 +97,11 @@ pub(crate) fn check_value(
             return has_room || allowed.is_some();
         }
     };
-    let outside = match (entry.low_limit, entry.high_limit) {
+    let of_node = |limit: Option<Limit>| match node_id {
+        Some(node_id) => limit.map(|limit| limit.of_node(node_id)),
+        None => limit,
+    };
+    let outside = match (of_node(entry.low_limit), of_node(entry.high_limit)) {
         (Some(low), _) if value < low => format!("below LowLimit {low}"),
         (_, Some(high)) if value > high => format!("above HighLimit {high}"),
         _ => return true,

@@ -14,6 +14,7 @@ pub(crate) const RULES: &[&Rule] = &[
     &DEFAULT_TYPE,
     &LIMIT_TYPE,
     &LIMIT_OF_NO_NUMBER,
+    &LIMIT_OF_NODE,
     &VALUE_OF_A_DOMAIN,
     &LOW_ABOVE_HIGH,
     &DEFAULT_OUTSIDE_LIMITS,
@@ -102,6 +103,12 @@ pub(crate) static LIMIT_OF_NO_NUMBER: Rule = Rule::masters(
     "limit-of-no-number",
     "Only numbers have limits.",
     "A limit of a string or a domain means nothing, and is left out.",
+);
+
+pub(crate) static LIMIT_OF_NODE: Rule = Rule::firmware(
+    "limit-of-node",
+    "A limit is the same for every node-ID.",
+    "Limits lie in flash, where no node-ID is known. $NODEID in them is understood by everything but `rust`. When this is silenced, code has no such limit.",
 );
 
 pub(crate) static VALUE_OF_A_DOMAIN: Rule = Rule::masters(

@@ -1,6 +1,7 @@
 //! Mistakes in one value.
 
-use super::{SMALL, findings, finds, finds_for_code, finds_nothing, line_of};
+use super::{SMALL, findings, finds, finds_for_code, finds_nothing, line_of, said};
+use crate::model::{Entry, Limit};
 use crate::report::Report;
 
 #[test]
@@ -202,6 +203,33 @@ fn the_node_id_goes_where_it_fits() {
 }
 
 #[test]
+fn limits_may_have_the_node_id_in_them() {
+    let old = "DefaultValue=$NODEID\n";
+    let new = "LowLimit=$NODEID\nHighLimit=0x180+$NODEID\nDefaultValue=$NODEID\n";
+    let text = SMALL.replacen(old, new, 1);
+    let report = Report::new("small.eds", &text);
+    assert!(!report.has_errors(), "{}", said(&report));
+    let is_node_id = |entry: &&Entry| entry.adds_node_id() && entry.default_number() == Some(0);
+    let mut entries = report.model.entries().map(|(_, entry)| entry);
+    let entry = entries.find(is_node_id).unwrap();
+    let limits = (entry.low_limit, entry.high_limit);
+    assert_eq!(limits, (Some(Limit::NodeId(0)), Some(Limit::NodeId(0x180))));
+    assert_eq!(entry.integer_limits(), (None, None));
+    // It is written again as it was, and what is above another in every node is told.
+    let printed = crate::print(&report.model);
+    assert!(printed.contains("LowLimit=$NODEID\nHighLimit=$NODEID+0x180\n"));
+    let turned = text.replacen("LowLimit=$NODEID", "LowLimit=$NODEID+0x200", 1);
+    let turned = said(&Report::new("small.eds", &turned));
+    let above = "LowLimit $NODEID+0x200 (200h + node-ID) is above HighLimit";
+    assert!(turned.contains(above), "{turned}");
+    finds_for_code(
+        old,
+        "LowLimit=$NODEID\nDefaultValue=$NODEID\n",
+        "LowLimit $NODEID differs from node to node",
+    );
+}
+
+#[test]
 fn strings_are_spelled_and_fit_an_sdo_transfer() {
     let old = "DefaultValue=hello";
     finds(
@@ -304,7 +332,7 @@ fn the_limits_of_an_unsigned64_reach_to_its_end() {
         );
         assert!(!report.has_errors());
         let entry = report.model.entry(0x2005, 0).unwrap();
-        assert_eq!(entry.high_limit, Some(crate::model::Limit::Integer(high)));
+        assert_eq!(entry.high_limit, Some(Limit::Integer(high)));
         assert_eq!(entry.integer_limits(), (Some(1), Some(high)));
         let printed = crate::print(&report.model);
         assert_eq!(Report::new("small.eds", &printed).model, report.model);
@@ -338,7 +366,7 @@ fn an_allowance_of_an_object_is_for_its_sub_indices_too() {
         let report = Report::new("small.eds", text);
         let silenced = report.silenced.iter();
         let silenced = silenced.map(|(finding, _)| finding.span.line).collect();
-        (super::said(&report), silenced)
+        (said(&report), silenced)
     };
     let (_, before): (_, Vec<u32>) = said(SMALL);
     let broken = SMALL.replacen("[1018sub1]\n", "[1018sub1]\nLowLimit=0x12\n", 1);

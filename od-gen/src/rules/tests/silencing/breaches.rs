@@ -323,6 +323,13 @@ pub(super) const CHANGES: &[Change] = &[
         &[("ParameterName=Text", "ParameterName=Text\nLowLimit=1")],
     ),
     (
+        "limit-of-node",
+        &[(
+            "DefaultValue=$NODEID\n",
+            "LowLimit=$NODEID\nDefaultValue=$NODEID\n",
+        )],
+    ),
+    (
         "value-of-a-domain",
         &[(
             "Text\nDataType=0x0009\nAccessType=rw",
