@@ -52,7 +52,8 @@ def test_a_picture_of_each_page_is_the_one_in_docs(panel, browser, pytestconfig)
     record_a_move(window)
     made = {"panel": drive}
     for page, title in PAGES:
-        if page == "drive":
+        # The one was taken before, that of a drive with something to tune is in `test_panel_tuning.py`.
+        if page in ("drive", "tuning"):
             continue
         show_page(window, page, title)
         if page == "objects":
@@ -102,6 +103,41 @@ def test_a_recording_is_shown_measured_and_kept(start, panel):
     with window.expect_download() as download:
         window.click("#png")
     assert pathlib.Path(download.value.path()).read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_log_is_filtered_by_node_and_words_and_kept_as_a_file(start, panel):
+    _, window = open_drive(start, panel)
+    enable(window)
+    open_page(window, "log", "Log")
+    rows, nodes = window.locator("#frames tr"), window.locator("#log-node")
+    identifiers = window.locator("#frames td:nth-child(2)")
+    # The panel sends heartbeats now that it guards the drive; both are heard.
+    expect(nodes.locator("option")).to_have_text(["All nodes", "Node 4", "Node 127"])
+    window.click("text=Pause")
+    nodes.select_option("127")
+    expect(rows.first).to_contain_text("77F")
+    assert set(identifiers.all_inner_texts()) == {"77F"}
+    nodes.select_option("4")
+    # The services that are hidden are frames of that node too.
+    window.click(".chip >> text=SDO")
+    expect(rows.first).to_be_visible()
+    assert all(int(identifier, 16) & 0x7F == 4 for identifier in identifiers.all_inner_texts())
+    window.fill("#log-search", "read 6041h")
+    expect(window.locator("#frames .meaning").first).to_contain_text("6041h")
+    assert all("read 6041h" in words for words in window.locator("#frames .meaning").all_inner_texts())
+    # What is kept is what is shown, the oldest first, and all of it.
+    with window.expect_download() as download:
+        window.click("#save-log")
+    assert download.value.suggested_filename == "log.txt"
+    lines = pathlib.Path(download.value.path()).read_text().splitlines()
+    shown = window.evaluate("[...document.querySelectorAll('#frames tr')].map((row) => [...row.cells].map((cell) => cell.textContent))")[::-1]
+    assert shown and len(lines) >= len(shown)
+    for line, (at, identifier, data, _, meaning) in zip(lines[-len(shown) :], shown):
+        assert line == f"{at}  {identifier}  {data:23}  {meaning}"
+    nodes.select_option("127")
+    expect(rows).to_have_count(0)
+    nodes.select_option("")
+    expect(rows.first).to_be_visible()
 
 
 def test_pdos_are_edited_applied_and_seen_live(start, panel):
@@ -193,6 +229,20 @@ def test_an_hour_of_eight_channels_at_1_khz_takes_no_more_memory_than_two_minute
     window.evaluate(HOUR, [102, 162])
     after = used()
     assert after - before < LEFT_BEHIND, (before, after)
+    # A picture shows the least and the greatest of each few; a file, and a picture that stands, have each value.
+    window.select_option("#live-span", "60")
+    window.evaluate(HOUR, [162, 164])
+    with window.expect_download() as download:
+        window.click("#csv")
+    lines = pathlib.Path(download.value.path()).read_text().splitlines()
+    assert len(lines) == 60_001 and lines[-1].count(",") == 15, (len(lines), lines[-1])
+    window.click("text=Pause")
+    window.focus("#curves")
+    # Cursor A is at the middle, the value one of those that came there: 1000 times the channel and its place in the batch.
+    window.keyboard.press("ArrowRight")
+    for channel, row in enumerate(window.locator("#cursors tr").all()[1:]):
+        value = int(row.locator("td").first.inner_text().replace("\u202f", ""))
+        assert 1000 * channel <= value < 1000 * channel + 16, (channel, value)
 
 
 def test_a_configuration_is_saved_compared_and_loaded(start, panel, tmp_path):
