@@ -81,6 +81,8 @@ macro_rules! app {
                     timer,
                     panel,
                 } = tasks::start(cx.device, cx.core.SYST, memory);
+                // It powers the node on, as soon as interrupts are on.
+                node::spawn().ok();
                 let shared = Shared {
                     exchange,
                     bus,

@@ -14,7 +14,7 @@ pub struct Locked<'a, L>(pub &'a mut L);
 
 impl<L: Mutex<T = Exchange>> Share for Locked<'_, L> {
     fn lock<R>(&mut self, f: impl FnOnce(&mut Exchange) -> R) -> R {
-        self.0.lock(f)
+        self.0.lock(|exchange| once(f, exchange))
     }
 }
 
@@ -26,7 +26,7 @@ pub struct Around<'a, L, S> {
 
 impl<L: Mutex<T = Exchange>, S> Share for Around<'_, L, S> {
     fn lock<R>(&mut self, f: impl FnOnce(&mut Exchange) -> R) -> R {
-        self.exchange.lock(f)
+        self.exchange.lock(|exchange| once(f, exchange))
     }
 }
 
@@ -43,21 +43,27 @@ impl<L: Mutex<T = Exchange>, S: FnMut()> Host for Around<'_, L, S> {
 /// A CAN controller whose interrupts are other tasks.
 pub struct LockedBus<'a, L>(pub &'a mut L);
 
+impl<B, L: Mutex<T = B>> LockedBus<'_, L> {
+    fn with<R>(&mut self, f: impl FnOnce(&mut B) -> R) -> R {
+        self.0.lock(|bus| once(f, bus))
+    }
+}
+
 impl<B: Mailboxes, L: Mutex<T = B>> Mailboxes for LockedBus<'_, L> {
     fn room(&mut self, cob_id: u16) -> Room {
-        self.0.lock(|bus| bus.room(cob_id))
+        self.with(|bus| bus.room(cob_id))
     }
 
     fn holds(&mut self, cob_id: u16) -> bool {
-        self.0.lock(|bus| bus.holds(cob_id))
+        self.with(|bus| bus.holds(cob_id))
     }
 
     fn put(&mut self, frame: &Frame) -> Option<Frame> {
-        self.0.lock(|bus| bus.put(frame))
+        self.with(|bus| bus.put(frame))
     }
 
     fn withdraw(&mut self) {
-        self.0.lock(B::withdraw);
+        self.with(B::withdraw);
     }
 }
 
@@ -65,37 +71,32 @@ impl<B: Controller, L: Mutex<T = B>> Controller for LockedBus<'_, L> {
     const BIT_RATES: &'static [BitRate] = B::BIT_RATES;
 
     fn resume(&mut self) {
-        self.0.lock(B::resume);
+        self.with(B::resume);
     }
 
     fn leave(&mut self) -> bool {
-        self.0.lock(B::leave)
+        self.with(B::leave)
     }
 
     fn start(&mut self, bit_rate: BitRate) -> Result<(), Unreachable> {
-        self.0.lock(|bus| bus.start(bit_rate))
+        self.with(|bus| bus.start(bit_rate))
     }
 
     fn listen(&mut self, bit_rate: BitRate) -> Result<(), Unreachable> {
-        self.0.lock(|bus| bus.listen(bit_rate))
+        self.with(|bus| bus.listen(bit_rate))
     }
 
     fn error_seen(&mut self) -> bool {
-        self.0.lock(B::error_seen)
+        self.with(B::error_seen)
     }
 
     fn state(&mut self) -> ControllerState {
-        self.0.lock(|bus| bus.state())
+        self.with(|bus| bus.state())
     }
 }
 
-/// What nobody shares yet.
-pub struct Alone<T>(pub T);
-
-impl<T> Mutex for Alone<T> {
-    type T = T;
-
-    fn lock<R>(&mut self, f: impl FnOnce(&mut T) -> R) -> R {
-        f(&mut self.0)
-    }
+/// RTIC's lock runs what it is given in one of several places, each of which would have it inlined.
+#[inline(never)]
+fn once<T, R>(f: impl FnOnce(&mut T) -> R, shared: &mut T) -> R {
+    f(shared)
 }

@@ -18,7 +18,7 @@ use crate::control::{Control, CONFIG, RATE_HZ};
 use crate::dictionary::Dictionary;
 use crate::machine::Machine;
 use crate::settings::BUILD;
-use crate::share::{Alone, Around, LockedBus};
+use crate::share::{Around, LockedBus};
 use crate::stepping::Stepping;
 
 /// The CAN controller.
@@ -65,6 +65,8 @@ pub struct Reception {
 
 impl Reception {
     /// Frames have arrived or were sent, or the controller has seen errors.
+    // Out of line: several interrupts call it.
+    #[inline(never)]
     pub fn on_interrupt(&mut self, bus: &mut CanBus) {
         self.receiver.on_interrupt(bus, &mut self.inbox);
     }
@@ -85,6 +87,8 @@ impl Step {
     }
 
     /// Some input has had an edge.
+    // Out of line: several interrupts call it.
+    #[inline(never)]
     pub fn on_edge(&mut self) {
         let Self {
             steps,
@@ -106,6 +110,8 @@ pub struct NodeTask {
     node: Node<Dictionary, Machine, Store<<Selected as Board>::Parameters>>,
     received: Received,
     desk: <Selected as Board>::Desk,
+    /// The task has run: the first time it powers the node on.
+    is_on: bool,
 }
 
 impl NodeTask {
@@ -117,11 +123,17 @@ impl NodeTask {
         mut bus: impl Mutex<T = CanBus>,
         stop: impl FnMut(),
     ) -> Option<Signals> {
-        let mut around = Around {
-            exchange: &mut exchange,
-            stop,
-        };
-        let deadline = (self.node).run(&mut around, &mut LockedBus(&mut bus), &mut self.received);
+        let (mut around, mut bus) = (
+            Around {
+                exchange: &mut exchange,
+                stop,
+            },
+            LockedBus(&mut bus),
+        );
+        if !core::mem::replace(&mut self.is_on, true) {
+            self.node.power_on(&mut around, &mut bus);
+        }
+        let deadline = (self.node).run(&mut around, &mut bus, &mut self.received);
         Desk::attend(&mut self.desk, self.node.dictionary_mut());
         let now = clock::now();
         let wait = deadline.ticks().saturating_sub(now.ticks()).max(NEAREST);
@@ -189,22 +201,16 @@ pub fn start(device: <Selected as Board>::Device, timer: SYST, memory: Memory) -
         ),
         received,
         desk,
+        is_on: false,
     });
-    let (mut exchange, mut bus) = (Alone(Exchange::new()), Alone(bus));
-    let mut around = Around {
-        exchange: &mut exchange,
-        // Nothing moves yet.
-        stop: || {},
-    };
-    (node.node).power_on(&mut around, &mut LockedBus(&mut bus));
     let emitter = place(emitter, || Emitter::new(CONFIG));
     let stepping: &_ = place(stepping, || Stepping::new(emitter, pulses));
     let control = place(control, || {
         Control::new(stepping, stage, lost, edges, &board::SCOPE_MEMORY)
     });
     Firmware {
-        exchange: exchange.0,
-        bus: bus.0,
+        exchange: Exchange::new(),
+        bus,
         reception: Reception { receiver, inbox },
         stepping,
         control,
