@@ -27,6 +27,8 @@ fn main() {
     fs::copy(&ram, out.join("ram.x")).expect("the emulator and the chip have a ram.x");
     println!("cargo:rerun-if-changed={ram}");
     println!("cargo:rustc-link-search={}", out.display());
+    // Functions that come out alike are one.
+    println!("cargo:rustc-link-arg=--icf=all");
     println!("cargo:rerun-if-changed={MEMORY}");
     println!("cargo:rerun-if-changed=build.rs");
     if !has("RTT") {
