@@ -351,7 +351,7 @@ impl Average {
     }
 
     /// Goes to the mean with the sample of the plan that has been walked to.
-    #[inline(always)]
+    #[inline(never)]
     fn take(&mut self) {
         let newest = self.walk.sample();
         let mut oldest = newest;

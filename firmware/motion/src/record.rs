@@ -151,6 +151,7 @@ impl DriverTiming {
     const WIDEST: u32 = i16::MAX as u32;
 
     /// Each time brought into its range.
+    #[inline(never)]
     pub(crate) fn checked(self) -> Self {
         Self {
             pulse_high: self.pulse_high.clamp(1, Self::WIDEST),

@@ -435,6 +435,7 @@ impl Homing {
     }
 
     /// Whether no limit switch forbids this direction; the one that is looked for does not.
+    #[inline(never)]
     fn check_limits(&self, seen: &Seen, direction: Direction) -> Result<(), Failure> {
         let (switch, state) = match direction {
             Direction::Forward => (Switch::PositiveLimit, seen.positive_limit),

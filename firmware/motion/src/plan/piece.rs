@@ -111,13 +111,15 @@ pub(super) struct Piece {
 impl Piece {
     /// The same in a frame that may be turned round: what counts from its zero in one does so in the other.
     pub(super) fn seen_from(self, frame: &Frame) -> Self {
-        let turn = |value| frame.turn(value);
+        if !frame.reverse {
+            return self;
+        }
         Self {
-            position: turn(self.position),
-            velocity: turn(self.velocity),
-            half_acceleration: turn(self.half_acceleration),
+            position: self.position.wrapping_neg(),
+            velocity: self.velocity.wrapping_neg(),
+            half_acceleration: self.half_acceleration.wrapping_neg(),
             shape: match self.shape {
-                Shape::Cubic(sixth_jerk) => Shape::Cubic(turn(sixth_jerk)),
+                Shape::Cubic(sixth_jerk) => Shape::Cubic(sixth_jerk.wrapping_neg()),
                 Shape::Sine(time) => Shape::Sine(time),
             },
             ..self

@@ -301,7 +301,7 @@ pub(super) fn piece(ramp: &Piece, time: Offset, t: Ticks) -> (Piece, i128, Ticks
 }
 
 /// ⌊number · factor / 2⁶⁴⌋ modulo 2¹²⁸.
-#[inline]
+#[inline(never)]
 fn share(number: u128, factor: u64) -> u128 {
     let low = (u128::from(low::u64(number)) * u128::from(factor)) >> 64;
     ((number >> 64) * u128::from(factor)).wrapping_add(low)
