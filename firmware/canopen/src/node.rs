@@ -430,6 +430,7 @@ impl<D: Dictionary> Node<D> {
     }
 
     /// Whether nothing may be sent.
+    #[inline(never)]
     fn must_be_mute(&self, now: Instant) -> bool {
         self.is_resetting || self.controller.is_bus_off() || self.is_switching(now)
     }

@@ -67,6 +67,7 @@ pub struct Outputs {
 }
 
 /// The axis with segments at least as long as the time from one commitment to the next, so that with two of them one may come late by as much.
+#[inline(never)]
 pub(crate) fn outlast_tick(config: DriveConfig) -> AxisConfig {
     let tick = u64::from(config.axis.clock.hz()).saturating_mul(config.tick.ticks()) / 1_000_000;
     let apart = tick.checked_div(config.refills.into()).unwrap_or(tick);

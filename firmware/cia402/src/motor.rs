@@ -197,6 +197,7 @@ impl<A: Actuator> Motor<A> {
     }
 
     /// Whether no limit switch bars a motion of this sign.
+    #[inline(never)]
     pub(crate) fn is_free(&self, distance: i64) -> Result<(), Refused> {
         if distance > 0 && self.barred.forward || distance < 0 && self.barred.reverse {
             Err(Refused)

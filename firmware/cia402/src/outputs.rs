@@ -46,6 +46,7 @@ impl OutputFunction {
     ];
 
     /// The function with this number; `None` if there is none.
+    #[inline(never)]
     pub fn from_code(code: u8) -> Option<Self> {
         Self::ALL
             .into_iter()

@@ -215,6 +215,7 @@ impl Directory {
     }
 
     /// The chunks of a set.
+    #[inline(never)]
     pub fn part(&self, set: ParameterSet) -> Part {
         let [date, communication, application, manufacturer] = self.parts;
         match set {

@@ -99,6 +99,7 @@ impl<F: NorFlash> Log<F> {
     }
 
     /// Where a bank begins and ends.
+    #[inline(never)]
     pub fn limits(&self, bank: Bank) -> Range<u32> {
         let middle = self.start.saturating_add(self.bank);
         match bank {

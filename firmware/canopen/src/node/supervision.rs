@@ -131,6 +131,7 @@ impl<D: Dictionary> Node<D> {
         self.follow_error_behaviour(now);
     }
 
+    #[inline(never)]
     fn tell_communication_error(&mut self, error: CommunicationError, now: Instant) {
         self.report(error.emergency(), now);
         self.events.communication_error(error);
@@ -142,6 +143,7 @@ impl<D: Dictionary> Node<D> {
         }
     }
 
+    #[inline(never)]
     pub(super) fn clear_error(&mut self, emergency: &Emergency, now: Instant) {
         self.services
             .clear_one(&mut self.dictionary, emergency, now);

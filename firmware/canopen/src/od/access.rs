@@ -302,6 +302,7 @@ pub fn load_defaults<D: Dictionary + ?Sized>(
 }
 
 /// The power-on value of a number in RAM, the node-ID added to it; its bytes and zeros behind them.
+#[inline(never)]
 pub fn node_id_default<D: Dictionary + ?Sized>(entry: &Entry, node_id: u8) -> [u8; 8] {
     let default = slot(D::TABLE.defaults, entry.offset, entry.size().min(8));
     let sum = little_endian(default).wrapping_add(u64::from(node_id));

@@ -53,6 +53,7 @@ impl Pipeline {
         }
     }
 
+    #[inline(never)]
     fn worked_out(&self, period: Fine) -> Fine {
         let allowed = (period / 16).min(self.depth / 8);
         let periods = self

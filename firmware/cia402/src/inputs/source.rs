@@ -17,6 +17,7 @@ pub enum Source {
 
 impl Source {
     /// The source with this number; `None` if there is none.
+    #[inline(never)]
     pub fn from_code(code: i16) -> Option<Self> {
         match code {
             1 => Some(Self::Probe1),

@@ -181,17 +181,19 @@ pub(super) fn distance(velocity: Speed, accelerations: (u32, u32), ramps: Ramps)
 /// comes a few control ticks after the target has been passed, so four milliseconds at this velocity are kept in reserve. A mean has a window of so
 /// many microseconds at least.
 pub(super) fn stoppable(accelerations: (u32, u32), ramps: Ramps, window: u64, steps: u64) -> Speed {
-    let (rounding, deceleration) = rounding(accelerations, ramps, window);
-    // v² + v·d²/j = 2·d·steps
-    let velocity = |steps: u64| {
-        let square = rounding.saturating_mul(rounding);
-        let sum = deceleration.saturating_mul(8).saturating_mul(steps);
-        let root = u64::from(root(sum.saturating_add(square)));
-        root.saturating_sub(rounding) / 2
-    };
-    let reserve = velocity(steps) / 250;
-    let velocity = velocity(steps.saturating_sub(reserve));
+    let rounded = rounding(accelerations, ramps, window);
+    let reserve = stopped_within(steps, rounded) / 250;
+    let velocity = stopped_within(steps.saturating_sub(reserve), rounded);
     Speed::per_second(u32::try_from(velocity).unwrap_or(u32::MAX))
+}
+
+/// The velocity from which a ramp with this rounding and deceleration takes so many steps: v² + v·d²/j = 2·d·steps.
+#[inline(never)]
+fn stopped_within(steps: u64, (rounding, deceleration): (u64, u64)) -> u64 {
+    let square = rounding.saturating_mul(rounding);
+    let sum = deceleration.saturating_mul(8).saturating_mul(steps);
+    let root = u64::from(root(sum.saturating_add(square)));
+    root.saturating_sub(rounding) / 2
 }
 
 #[cfg(test)]

@@ -283,7 +283,7 @@ impl Units {
     }
 
     /// A velocity, with its sign (60FFh, 60B1h).
-    #[inline]
+    #[inline(never)]
     pub fn velocity(&self, user: i32) -> SignedSpeed {
         let velocity = if self.velocity.is_one() {
             SignedSpeed::per_second(user)

@@ -172,6 +172,7 @@ fn coarse(value: u64, numerator: u64, denominator: u64) -> u64 {
 
 /// A quotient rounded down, to the nearest.
 #[cold]
+#[inline(never)]
 fn rounded(whole: u128, numerator: u128, denominator: u128) -> u64 {
     let rest = numerator.wrapping_sub(whole.wrapping_mul(denominator));
     let is_half = rest >= denominator.wrapping_sub(rest);

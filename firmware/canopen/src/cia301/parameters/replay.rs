@@ -116,6 +116,7 @@ impl Replay {
         (self.refused, self.refused_elsewhere)
     }
 
+    #[inline(never)]
     fn refuse(&mut self, index: u16, sub: u8) {
         if is_communication(index) {
             self.refused.add(index, sub);

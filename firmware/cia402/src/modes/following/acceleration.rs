@@ -65,6 +65,7 @@ impl SetPoints {
     }
 
     /// The motor goes to this one.
+    #[inline(never)]
     pub(super) fn keep(&mut self, at: i32) {
         let distance = at.wrapping_sub(self.before(1));
         self.alike = if distance == self.distance {
