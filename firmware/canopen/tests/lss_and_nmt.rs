@@ -115,6 +115,7 @@ fn identifying_is_interrupted_by_any_other_service_in_both_states() {
 fn a_second_store_is_answered_when_the_newest_settings_are_stored() {
     let mut device = in_configuration();
     assert_eq!(ask(&mut device, "110B"), answer("1100"));
+    assert!(!device.node.is_storing_settings());
     assert!(ask(&mut device, "17").is_empty());
     assert_eq!(device.events(), [Event::StoreSettings(settings(11))]);
     for node_id in ["110C", "110D"] {
@@ -124,6 +125,7 @@ fn a_second_store_is_answered_when_the_newest_settings_are_stored() {
     assert_eq!(ask(&mut device, "110E"), answer("1100"));
     assert!(device.events().is_empty(), "one at a time");
     device.node.settings_stored(Ok(()));
+    assert!(device.node.is_storing_settings());
     assert!(device.sent().is_empty(), "not yet");
     assert_eq!(
         device.events(),
@@ -131,6 +133,7 @@ fn a_second_store_is_answered_when_the_newest_settings_are_stored() {
         "what the last request has seen"
     );
     device.node.settings_stored(Err(StoreError::Medium));
+    assert!(!device.node.is_storing_settings());
     assert_eq!(device.sent(), answer("1702"));
     device.node.settings_stored(Ok(()));
     assert!(device.sent().is_empty(), "one answer");
