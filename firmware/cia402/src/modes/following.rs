@@ -58,7 +58,7 @@ struct Knot {
 
 /// How the next set-point is gone to.
 #[derive(Clone, Copy, Debug)]
-struct Leg {
+struct Segment {
     /// The time from the set-point before.
     interval: Fine,
     /// It begins where the last set-point was, about a period before.
@@ -173,7 +173,7 @@ impl Following {
             self.is_limited = Some(goal) != target;
             return Outcome::Followed;
         }
-        let Some(leg) = self.begin_segment(end, slot.period, context.motor) else {
+        let Some(segment) = self.begin_segment(end, slot.period, context.motor) else {
             // What was given before the period changed lasts that long.
             if let Some(goal) = goal {
                 self.head_for(goal);
@@ -184,13 +184,13 @@ impl Following {
             return Outcome::Lost;
         };
         let before = self.distance;
-        let seconds = seconds(leg.interval);
+        let seconds = seconds(segment.interval);
         let most = distance_at(context.max_velocity(), seconds);
-        let is_usual = leg.interval.abs_diff(slot.period) <= slot.period / 64;
+        let is_usual = segment.interval.abs_diff(slot.period) <= slot.period / 64;
         let pace = if is_usual {
             self.pace
         } else {
-            over(self.pace, slot.period, leg.interval)
+            over(self.pace, slot.period, segment.interval)
         };
         let was_catching_up = self.is_catching_up;
         self.distance = self.allowed(need, pace, most, seconds, context);
@@ -199,18 +199,18 @@ impl Following {
             end,
             at: self.at.wrapping_add(self.distance),
             distance: self.distance,
-            interval: leg.interval,
+            interval: segment.interval,
             most,
         };
         if was_catching_up || self.is_catching_up {
-            let distance = over(knot.distance, leg.interval, slot.period);
+            let distance = over(knot.distance, segment.interval, slot.period);
             self.rounding = rounding(context);
             self.set_points
                 .begin(whole(knot.at.wrapping_sub(distance)), whole(knot.at));
         } else {
             self.set_points.keep(whole(knot.at));
         }
-        self.give(knot, before, is_cubic && leg.is_in_step, context.motor);
+        self.give(knot, before, is_cubic && segment.is_in_step, context.motor);
         self.at = knot.at;
         Outcome::Followed
     }
@@ -248,7 +248,7 @@ impl Following {
         end: Fine,
         period: Fine,
         motor: &mut Motor<impl Actuator>,
-    ) -> Option<Leg> {
+    ) -> Option<Segment> {
         let is_steady = |interval: Fine| interval.abs_diff(period) <= period / 4;
         let mut path = motor.path_to(end);
         if let Some(waiting) = self.waiting {
@@ -258,7 +258,7 @@ impl Following {
                 if self.is_catching_up {
                     self.distance = over(self.distance, waiting.interval, interval);
                 }
-                return Some(Leg {
+                return Some(Segment {
                     interval,
                     is_in_step: true,
                 });
@@ -281,7 +281,7 @@ impl Following {
             self.at = self.at.wrapping_add(away);
             self.distance = path.distance >> (32 - POINT);
         }
-        (interval >= period / 4).then_some(Leg {
+        (interval >= period / 4).then_some(Segment {
             interval,
             is_in_step,
         })
