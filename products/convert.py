@@ -23,9 +23,9 @@ SIZES = {
     "INTEGER32": (0x04, 32, True), "UNSIGNED8": (0x05, 8, False), "UNSIGNED16": (0x06, 16, False),
     "UNSIGNED32": (0x07, 32, False),
 }  # fmt: skip
-CODES = {name: size[0] for name, size in SIZES.items()} | {"REAL32": 0x08, "VISIBLE_STRING": 0x09, "DOMAIN": 0x0F}
+CODES = {name: size[0] for name, size in SIZES.items()} | {"REAL32": 0x08, "VISIBLE_STRING": 0x09, "OCTET_STRING": 0x0A, "DOMAIN": 0x0F}
 KINDS = {"VAR": 7, "ARRAY": 8, "RECORD": 9}
-STRINGS = ("VISIBLE_STRING", "DOMAIN")
+STRINGS = ("VISIBLE_STRING", "OCTET_STRING", "DOMAIN")
 
 # The objects that CiA 402 makes for PDOs, for tables that do not tell.
 PROCESS_DATA = {0x603F, 0x6040, 0x6041, 0x6042, 0x6043, 0x6044, 0x6060, 0x6061, 0x6062, 0x6063, 0x6064, 0x606C, 0x6071, 0x6077, 0x607A}  # fmt: skip
@@ -127,7 +127,8 @@ def describe_channels(rows, chosen):
         range_of_type = (-(1 << bits - 1), (1 << bits - 1) - 1) if signed else (0, (1 << bits) - 1)
         low, high = (number(value[column]) or (limit, False) for column, limit in zip(("min", "max"), range_of_type, strict=True))
         attributes = {"ro": READ_ONLY, "wo": FUNCTION}.get(value["access"], 0) | (VOLATILE if value["persistent"] == "no" else 0)
-        facts = (low[0], high[0], (number(value["default"]) or (0, False))[0], 5 if signed else 4, attributes)
+        default = number(value["default"]) or (0 if low[0] <= 0 <= high[0] else low[0], False)
+        facts = (low[0], high[0], default[0], 5 if signed else 4, attributes)
         for sub, fact in enumerate(facts, 2):
             subs[sub] |= {"access": "const", "default": str(fact), "min": "", "max": ""}
     channels[CHANNELS.start][1] |= {"access": "const", "default": str(max(channels) - CHANNELS.start)}
@@ -261,7 +262,9 @@ class Sheet:
             self.put(f"; Chosen, as the manual does not tell: {self.chosen[index, sub]}.")
         text = []
         if data_type in STRINGS:
-            if row["default"]:
+            if row["default"].startswith(";"):
+                text.append(row["default"])
+            elif row["default"]:
                 text.append(f"DefaultValue={row['default']}")
         elif data_type in SIZES:
             text += self.numbers(data_type, row)

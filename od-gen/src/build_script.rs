@@ -14,7 +14,8 @@ use crate::report::Report;
 /// `OUT_DIR`, and has cargo run the script again when the data sheet changes. The crate takes it in with
 /// `include!(concat!(env!("OUT_DIR"), "/dictionary.rs"));` inside of a module of its own.
 ///
-/// For a drive the bindings beside the data sheet (`NAME.bind.toml`) are read too, unless `options` brings some.
+/// For a drive the Rust module beside the data sheet (`NAME.rs`), if there is one, is its behaviour (`cia402::behaviour`).
+/// The bindings beside the data sheet (`NAME.bind.toml`) are read too, unless `options` brings some.
 ///
 /// What is wrong with the files is printed as a compiler would, then the build ends with exit code 1; warnings are passed on
 /// to cargo.
@@ -58,14 +59,54 @@ pub fn build(eds: impl AsRef<Path>, output: &str, options: Options<'_>) {
             fail(&shown.collect::<Vec<_>>().join("\n"));
         }
     }
+    let module = behaviour(eds);
+    let sheet = format!("{output}.eds");
+    let sheet = holds_data_sheet(&model).then_some(sheet);
+    if let Some(sheet) = &sheet {
+        let path = Path::new(&folder).join(sheet);
+        if let Err(error) = fs::write(&path, essence(report.source.text())) {
+            fail(&format!("{}: error: {error}", path.display()));
+        }
+    }
     let options = Options {
         bindings: &bindings,
+        behaviour: module.as_deref(),
+        data_sheet: sheet.as_deref(),
         ..options
     };
     let path = Path::new(&folder).join(output);
     if let Err(error) = fs::write(&path, generate(&model, options)) {
         fail(&format!("{}: error: {error}", path.display()));
     }
+}
+
+/// Whether the device has 1021h for its data sheet.
+fn holds_data_sheet(model: &Model) -> bool {
+    const STORE_EDS: u16 = 0x1021;
+    model.objects.iter().any(|object| object.index == STORE_EDS)
+}
+
+/// A data sheet without comments, and without what CiA 306 takes for granted: a variable, and no PDO.
+fn essence(text: &str) -> String {
+    let is_said = |line: &&str| {
+        !(line.is_empty()
+            || line.starts_with(';')
+            || ["ObjectType=0x7", "PDOMapping=0"].contains(line))
+    };
+    let lines = text.lines().map(str::trim).filter(is_said);
+    lines.flat_map(|line| [line, "\n"]).collect()
+}
+
+/// The whole path of the Rust module beside the data sheet, with its name: what the drive does that is no data.
+fn behaviour(eds: &Path) -> Option<String> {
+    let Ok(path) = eds.with_extension("rs").canonicalize() else {
+        // Should there be one some day, the folder changes.
+        let folder = eds.parent().unwrap_or(eds);
+        println!("cargo::rerun-if-changed={}", folder.display());
+        return None;
+    };
+    println!("cargo::rerun-if-changed={}", path.display());
+    Some(path.to_string_lossy().into_owned())
 }
 
 /// The bindings beside the data sheet.

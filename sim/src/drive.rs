@@ -50,7 +50,7 @@ pub struct MotionSample {
 
 /// A drive with the dictionary `D` of its firmware; on power it boots, then it lives on frames and time.
 #[derive(Debug)]
-pub struct VirtualDrive<D: Dictionary, A = StepAxis> {
+pub struct VirtualDrive<D: Dictionary + Objects, A = StepAxis> {
     serial_number: u32,
     power_up: PowerUp,
     powered: bool,

@@ -91,7 +91,10 @@ fn rows(product: &str) -> Vec<Row> {
             sub,
             size,
             is_signed,
-            is_string: matches!(row[4].as_str(), "VISIBLE_STRING" | "DOMAIN"),
+            is_string: matches!(
+                row[4].as_str(),
+                "VISIBLE_STRING" | "OCTET_STRING" | "DOMAIN"
+            ),
             access: row[5].clone(),
             mappable: row[6].clone(),
             default: number(&row[7]),
@@ -173,6 +176,8 @@ const SHOWN: &[(&str, u16, &str)] = &[
     ("lmd", 0x2402, "the manual counts 8, 4 and 3 of three words"),
     ("nanotec", 0x2009, "the node-ID that is stored"),
     ("s200", 0x6041, "the drive has booted and has its supply"),
+    ("tc1", 0x1013, "a clock that counts"),
+    ("s200", 0x6098, "NREF says it too, and was written before"),
 ];
 
 /// Objects that refuse to be written with what they hold, and why.
@@ -187,6 +192,12 @@ const REFUSED: &[(&str, u16, &str)] = &[
         0x100E,
         "the identifier of the error control is that of the node",
     ),
+    ("s200", 0x2083, "its signature is needed"),
+    ("s200", 0x358D, "homing needs a motor that is on"),
+    ("s200", 0x3591, "jog needs a motor that is on"),
+    ("s200", 0x35F0, "a reference needs a motor that is on"),
+    ("s200", 0x3642, "a motion task needs a motor that is on"),
+    ("s200", 0x4000, "it is busy with the command before"),
     ("s200", 0x6090, "0 revolutions are no ratio"),
     (
         "s200",
@@ -367,7 +378,8 @@ fn the_channels_of_the_s200_describe_their_numbers() {
         let (least, most) = row.range();
         let limits = (row.low.unwrap_or(least), row.high.unwrap_or(most));
         assert_eq!((low, high), (limits.0 as u32, limits.1 as u32), "{name}");
-        assert_eq!(default, row.default.unwrap_or(0) as u32, "{name}");
+        let own = row.default.unwrap_or(0.clamp(limits.0, limits.1));
+        assert_eq!(default, own as u32, "{name}");
         assert_eq!(attributes & 0x08 != 0, row.access == "ro", "{name}");
         assert_eq!(attributes & 0x40 != 0, row.access == "wo", "{name}");
         (channels, last) = (channels + 1, row.index);

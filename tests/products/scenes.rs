@@ -18,8 +18,6 @@ pub const NOT_YET: &[(&str, &str, &str)] = &[
         "rpdo-principle",
         "a picture: the TC1 has none of its objects",
     ),
-    ("s200", "S08-stored-task-sdo", "no motion tasks yet"),
-    ("s200", "S10-stored-task-repeat", "no motion tasks yet"),
 ];
 
 /// Lines in which a manual is wrong or shows any values: product, sequence, step, what is played, why.
@@ -130,7 +128,27 @@ fn s200(sequence: &str) -> Bench {
         "S02" => 2,
         _ => 3,
     };
-    Bench::node("s200", node)
+    let mut bench = Bench::node("s200", node);
+    if matches!(&sequence[..3], "S08" | "S10") {
+        store_task_3(&mut bench);
+    }
+    bench
+}
+
+/// Motion task 3 of the S200 is 5000 counts further, and the axis is homed.
+fn store_task_3(bench: &mut Bench) {
+    bench.write(3, 0x6098, 0, &[35]);
+    bench.write(3, 0x6060, 0, &[6]);
+    bench.enable(3);
+    bench.write(3, 0x6040, 0, &[0x1F, 0]);
+    bench.wait_for_status(3, 0x1400, 0x1400, 1_000);
+    bench.write(3, 0x6040, 0, &[0, 0]);
+    bench.wait_for_status(3, 0x6F, 0x40, 1_000);
+    for (index, value) in [(0x35BE, 5_000_u32), (0x35BF, 100_000), (0x35B9, 1)] {
+        bench.write(3, index, 1, &value.to_le_bytes());
+    }
+    bench.write(3, 0x2082, 0, &0x0003_0000_u32.to_le_bytes());
+    bench.sent.clear();
 }
 
 fn tc1(sequence: &str) -> Bench {
@@ -258,6 +276,12 @@ pub fn after(product: &str, sequence: &str, bench: &mut Bench) -> Result<(), Str
             // 30000 is replaced by 3000; 100000 further, replaced by 3000 further than what was commanded.
             let position = bench.read(0x41, 0x6064, 0) as i32;
             shown(position % 1_000, 0)
+        }
+        ("s200", "S08-stored-task-sdo" | "S10-stored-task-repeat") => {
+            bench.run(2_000);
+            let times = if sequence.starts_with("S08") { 1 } else { 2 };
+            // The repeat begins in the midst of the first, and counts from its target.
+            shown(bench.read(3, 0x6064, 0), 5_000 * times)
         }
         ("nanotec", "start-travel-node34") => shown(bench.read(34, 0x6064, 0), 0),
         ("tc1", "rpdo-too-long" | "pdo-default") => shown(bench.read(1, 0x6040, 0), 6),

@@ -213,3 +213,17 @@ mod each {
         tells_lss_who_it_is: lmd tc1;
     }
 }
+
+/// 1013h of the TC1 counts microseconds, and goes on from what a master writes.
+#[test]
+fn the_time_stamp_of_the_tc1_counts_microseconds() {
+    let mut bench = Bench::node("tc1", NODE);
+    let before = bench.read(NODE, 0x1013, 0);
+    bench.run(1_000);
+    let passed = bench.read(NODE, 0x1013, 0) - before;
+    assert!((1_000_000..1_010_000).contains(&passed), "{passed}");
+    bench.write(NODE, 0x1013, 0, &500_u32.to_le_bytes());
+    bench.run(10);
+    let passed = bench.read(NODE, 0x1013, 0) - 500;
+    assert!((10_000..20_000).contains(&passed), "{passed}");
+}

@@ -29,6 +29,52 @@ fn takes_a_number_in_a_segment(name: &str) {
     assert_eq!(bench.read(NODE, 0x6085, 0), 23_456, "{name}");
 }
 
+/// 1021h of the TC1 is its data sheet, as a text that tells the same of each object as the file.
+#[test]
+fn the_tc1_gives_its_data_sheet() {
+    let mut bench = booted("tc1");
+    assert_eq!(bench.read(NODE, 0x1022, 0) as u8, 0, "a text");
+    let begin = bench.sdo(NODE, [0x40, 0x21, 0x10, 0, 0, 0, 0, 0]);
+    assert_eq!(begin[..4], [0x41, 0x21, 0x10, 0]);
+    let size = u32::from_le_bytes([begin[4], begin[5], begin[6], begin[7]]);
+    let (mut text, mut toggle) = (Vec::new(), 0);
+    loop {
+        let segment = bench.sdo(NODE, [0x60 | toggle, 0, 0, 0, 0, 0, 0, 0]);
+        assert_eq!(segment[0] & 0xF0, toggle);
+        let unused = usize::from(segment[0] >> 1 & 7);
+        text.extend_from_slice(&segment[1..8 - unused]);
+        if segment[0] & 1 == 1 {
+            break;
+        }
+        toggle ^= 0x10;
+    }
+    assert_eq!(text.len(), size as usize);
+    let text = String::from_utf8(text).unwrap();
+    let file = products::ALL
+        .iter()
+        .find(|product| product.name == "tc1")
+        .unwrap();
+    let read = |text: &str| od_gen::parse("tc1.eds", text).unwrap();
+    let (told, own) = (read(&text), read(file.data_sheet));
+    assert_eq!(told.device, own.device);
+    assert_eq!(told.objects.len(), own.objects.len());
+    for (told, own) in told.objects.iter().zip(&own.objects) {
+        assert_eq!((told.index, &told.name), (own.index, &own.name));
+        let values = |entries: &[od_gen::model::Entry]| -> Vec<_> {
+            let values = entries.iter();
+            values
+                .map(|entry| format!("{} {:?} {:?}", entry.name, entry.data_type, entry.default))
+                .collect()
+        };
+        assert_eq!(
+            values(&told.entries),
+            values(&own.entries),
+            "{:04X}h",
+            own.index
+        );
+    }
+}
+
 /// The Nanotec, whose manual has their abort codes and no more, knows blocks as well.
 #[test]
 fn the_nanotec_has_blocks() {

@@ -29,6 +29,7 @@ use canopen::settings::Source;
 use canopen::{Application, BitRate, Counters, Duration, Event, Frame, Instant, Node, Settings};
 
 use crate::actuator::TORQUE_MODES;
+use crate::behaviour::{Behaviour, View};
 use crate::configuration::Configuration;
 use crate::cyclic::SyncStatus;
 use crate::exchange::{Actuals, Exchange, Share};
@@ -63,9 +64,9 @@ enum Phase {
 /// A CANopen node with the hooks of the drive objects, and with an application `A` of the firmware for everything that a drive
 /// does not say: streamed objects (DOMAIN), objects of the manufacturer, further rules.
 #[derive(Debug)]
-pub struct Device<D: Dictionary, A = ()> {
+pub struct Device<D: Dictionary + Objects, A = ()> {
     node: Node<D>,
-    hooks: Hooks<A>,
+    hooks: Hooks<A, D::Behaviour>,
     phase: Phase,
     /// What was last posted of the network.
     network: Network,
@@ -156,6 +157,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
         self.node.receive(frame, stamp, &mut self.hooks);
         self.take_reset();
         self.follow_state(&actuals, exchange);
+        self.heed_behaviour(stamp);
         self.post(exchange);
         self.sync_event(stamp, exchange);
     }
@@ -192,6 +194,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
         let deadline = self.node.poll(now, &mut self.hooks);
         self.take_reset();
         self.follow_state(&actuals, exchange);
+        self.heed_behaviour(now);
         self.post(exchange);
         self.sync_event(now, exchange);
         self.serve_controller();
@@ -287,6 +290,16 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
         if D::DRIVE.scope {
             self.hooks.desk.show(self.node.dictionary_mut(), scope);
         }
+        if D::Behaviour::IS_THERE {
+            let view = View {
+                actuals: &actuals,
+                state: self.node.state(),
+                is_storing: self.node.is_storing(),
+                errors: facts.errors,
+                at: stamp,
+            };
+            self.hooks.behaviour.look(self.node.dictionary_mut(), &view);
+        }
         actuals
     }
 
@@ -366,6 +379,32 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
         configuration.cyclic.is_measured = !self.hooks.has_period();
         self.hooks.set_units(configuration.units);
         exchange.lock(|exchange| exchange.configure(&configuration));
+    }
+
+    /// Does what the module of the product asks for.
+    #[inline]
+    fn heed_behaviour(&mut self, now: Instant) {
+        if !D::Behaviour::IS_THERE {
+            return;
+        }
+        let asks = self.hooks.behaviour.asks();
+        if asks.configuration {
+            self.hooks.touch();
+        } else if asks.commands {
+            self.hooks.touch_commands();
+        }
+        if asks.reset && self.phase == Phase::Running {
+            self.phase = Phase::Stopping(Reset::Node);
+            self.hooks.touch();
+        }
+        if let Some((index, sub)) = asks.order {
+            self.node.order(index, sub);
+        }
+        match asks.error {
+            Some((code, true)) => self.node.report(emergency(code), now),
+            Some((code, false)) => self.node.clear(code, now),
+            None => {}
+        }
     }
 
     /// Posts commands if something has changed.

@@ -160,7 +160,7 @@ pub(crate) struct Faults {
 
 impl Faults {
     /// Looks for faults at the start of a tick; `displaced` says that the motor stands at a wrong position, `both_limits` that
-    /// both limit switches are active, `stage` what is measured of the power stage. Returns the strongest reaction to those that have just appeared.
+    /// both limit switches are active, `stage` what is measured of the power stage, `found` the fault of the stage or of the product's module. Returns the strongest reaction to those that have just appeared.
     pub(crate) fn detect(
         &mut self,
         inputs: &Inputs,
@@ -168,15 +168,16 @@ impl Faults {
         displaced: bool,
         both_limits: bool,
         stage: &PowerStage,
+        found: Option<u16>,
     ) -> Option<Reaction> {
         let mut reaction = None;
         self.warn(inputs.warning);
         if stage.warnings != self.stage_warnings {
             self.warn_of_stage(stage.warnings);
         }
-        if inputs.fault != self.board {
-            self.board = inputs.fault;
-            if let Some(code) = inputs.fault {
+        if found != self.board {
+            self.board = found;
+            if let Some(code) = found {
                 self.raise(code, &mut reaction);
             }
         }
@@ -418,15 +419,22 @@ mod tests {
             ..CALM
         };
         assert_eq!(
-            Faults::default().detect(&over_current, true, true, false, &SUPPLIED),
+            Faults::default().detect(
+                &over_current,
+                true,
+                true,
+                false,
+                &SUPPLIED,
+                over_current.fault
+            ),
             Some(Reaction::PowerOff)
         );
         assert_eq!(
-            Faults::default().detect(&CALM, true, true, false, &SUPPLIED),
+            Faults::default().detect(&CALM, true, true, false, &SUPPLIED, None),
             Some(Reaction::AsConfigured)
         );
         assert_eq!(
-            Faults::default().detect(&CALM, true, false, false, &SUPPLIED),
+            Faults::default().detect(&CALM, true, false, false, &SUPPLIED, None),
             None
         );
     }
@@ -441,7 +449,7 @@ mod tests {
                 fault: Some(code),
                 ..CALM
             };
-            faults.detect(&inputs, true, false, false, &SUPPLIED);
+            faults.detect(&inputs, true, false, false, &SUPPLIED, inputs.fault);
             while let Some(notice) = faults.take_notice() {
                 assert_eq!(notice, FaultNotice::Raised(code));
                 told = code;
@@ -461,7 +469,7 @@ mod tests {
             };
             assert!(
                 faults
-                    .detect(&inputs, true, false, false, &SUPPLIED)
+                    .detect(&inputs, true, false, false, &SUPPLIED, inputs.fault)
                     .is_some()
             );
         }

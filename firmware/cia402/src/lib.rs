@@ -24,6 +24,7 @@
 extern crate std;
 
 mod actuator;
+pub mod behaviour;
 pub mod binding;
 pub mod board;
 pub mod brake;
@@ -64,6 +65,7 @@ pub use actuator::{
     Actuator, AtPort, Emitter, EmitterLock, ServoAxis, ServoGoal, ServoOrder, ServoPort,
     ServoReport, StepAxis,
 };
+pub use behaviour::Behaviour;
 pub use board::{DriveConfig, Inputs, Outputs};
 pub use cia402_parameters::{self as parameters, Features, Habits, NetworkObjects, Parameter};
 pub use commands::{Commands, SetPoint};

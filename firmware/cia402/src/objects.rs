@@ -5,6 +5,7 @@
 use canopen::cia301::sdo::AbortCode;
 use canopen::od::Entry;
 
+use crate::behaviour::Behaviour;
 use cia402_parameters::{Features, Habits, Parameter, every_parameter};
 
 /// Makes the trait of the table: a getter with the value that counts where a data sheet leaves the object out, or a setter that does
@@ -24,6 +25,12 @@ macro_rules! objects {
 
             /// What the drive does in the way of its maker.
             const DRIVE_HABITS: Habits = Habits::STANDARD;
+
+            /// The data sheet, which 1021h gives to whoever asks; empty where there is no such object.
+            const DATA_SHEET: &'static [u8] = &[];
+
+            /// What it does that is no data; `()` for nothing.
+            type Behaviour: Behaviour;
 
             $($(object! {
                 #[doc = concat!("Object ", stringify!($index), ":", $sub, ". ")]
@@ -110,4 +117,6 @@ pub struct Facts {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Everything;
 
-impl Objects for Everything {}
+impl Objects for Everything {
+    type Behaviour = ();
+}

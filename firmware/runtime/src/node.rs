@@ -47,7 +47,7 @@ const ERROR_CODE: u16 = 0x603F;
 
 /// The CANopen device with the dictionary `D` and the application `A`, and what belongs to its task; it stores in `S`.
 #[derive(Debug)]
-pub struct Node<D: Dictionary, A, S> {
+pub struct Node<D: Dictionary + Objects, A, S> {
     device: Device<D, A>,
     /// `None` on a host without a store.
     store: Option<S>,

@@ -10,7 +10,7 @@ use super::accessors::{is_narrow, value_type};
 use super::documentation::title;
 use super::layout::{Layout, Place, Row};
 use super::sites::{Site, sites};
-use super::{ABORT_CODE, bindings, habits};
+use super::{ABORT_CODE, Options, bindings, habits};
 use crate::bind::{Bindings, Fact, Mask, Word};
 
 /// Converts between the numbers of the dictionary, which have different types.
@@ -19,12 +19,14 @@ const NUMBER: &str = "::cia402::binding::Number";
 /// What switches the scope on; it is no parameter.
 const SCOPE: (u16, u8) = (0x20D0, 1);
 
-pub(super) fn write(layout: &Layout<'_>, bound: &Bindings) -> String {
+pub(super) fn write(layout: &Layout<'_>, options: &Options<'_>) -> String {
+    let (bound, behaviour) = (options.bindings, options.behaviour);
     let all: Vec<(&Description, Vec<Site<'_>>)> = parameters::ALL
         .iter()
         .map(|parameter| (parameter, sites(layout, bound, parameter)))
         .collect();
-    let mut methods = vec![features(layout, &all, bound)];
+    let mut methods = vec![behaves(behaviour), features(layout, &all, bound)];
+    methods.extend(options.data_sheet.map(data_sheet));
     let habits = habits::of_drive(&bound.habits);
     methods.extend((!habits.is_empty()).then_some(habits));
     for (parameter, sites) in &all {
@@ -58,7 +60,7 @@ pub(super) fn write(layout: &Layout<'_>, bound: &Bindings) -> String {
         methods.extend(carry_over(&all));
         methods.extend(agree(&all));
     }
-    let mut out = bindings::write(&all);
+    let mut out = behaviour.map_or_else(String::new, module) + &bindings::write(&all);
     if !bound.is_empty() {
         // Calls within calls: one line each reads better than what rustfmt makes of them.
         out += "#[rustfmt::skip]\n";
@@ -68,6 +70,24 @@ pub(super) fn write(layout: &Layout<'_>, bound: &Bindings) -> String {
         methods.join("\n")
     );
     out
+}
+
+/// What is no data: the module beside the data sheet.
+fn module(path: &str) -> String {
+    format!("#[path = {path:?}]\nmod behaviour;\n\n")
+}
+
+/// What a client of 1021h gets.
+fn data_sheet(file: &str) -> String {
+    format!(
+        "    const DATA_SHEET: &'static [u8] = include_bytes!(concat!(env!(\"OUT_DIR\"), \"/{file}\"));\n"
+    )
+}
+
+/// Where the drive finds it.
+fn behaves(behaviour: Option<&str>) -> String {
+    let module = behaviour.map_or("()", |_| "behaviour::Module");
+    format!("    type Behaviour = {module};\n")
 }
 
 /// What the drive has of all that the firmware can do.

@@ -41,6 +41,10 @@ pub struct Options<'a> {
     pub names: bool,
     /// Leave SDO block transfer out of the firmware: values travel expedited and in segments only.
     pub no_block_transfer: bool,
+    /// The file of the Rust module that is the behaviour of this drive, with its whole path.
+    pub behaviour: Option<&'a str>,
+    /// The file in `OUT_DIR` with the text that a device gives for 1021h, its data sheet.
+    pub data_sheet: Option<&'a str>,
     /// What [`build`](crate::build) sets of 1018h, whatever the data sheet states; [`generate`] takes the model as it is.
     pub identity: Identity,
 }
@@ -52,6 +56,8 @@ impl Options<'_> {
         bindings: Bindings::NONE,
         names: false,
         no_block_transfer: false,
+        behaviour: None,
+        data_sheet: None,
         identity: Identity::STATED,
     };
     /// The dictionary of a drive.
@@ -69,7 +75,7 @@ pub fn generate(model: &Model, options: Options<'_>) -> String {
     out += &accessors::write(&layout);
     out += &hooks::write(&layout);
     if options.cia402 {
-        out += &drive::write(&layout, options.bindings);
+        out += &drive::write(&layout, &options);
     }
     out += &constants::write(model, &layout);
     if options.names {

@@ -74,7 +74,7 @@ impl products::Visitor for Play {
     }
 }
 
-struct Script<D: Dictionary, A> {
+struct Script<D: Dictionary + Objects, A> {
     master: Master,
     drive: Handle<VirtualDrive<D, A>>,
     node: u8,

@@ -11,7 +11,7 @@ use crate::cia301::parameters::{
     Replay, Writer, loss, refusal,
 };
 use crate::cia301::sdo::{self, AbortCode, Others};
-use crate::od::{Dictionary, Entry};
+use crate::od::{self, Dictionary, Entry};
 use crate::settings::StoreError;
 use crate::time::Instant;
 
@@ -40,6 +40,19 @@ impl<D: Dictionary> Node<D> {
     pub fn is_storing(&self) -> bool {
         let job = self.services.parameters.job();
         !matches!(job, Job::Nothing | Job::Load(_))
+    }
+
+    /// Carries out an order of 1010h or 1011h that an object of the maker stands for, with this sub-index. Does nothing without such an
+    /// entry or a store, or while the store is busy.
+    pub fn order(&mut self, index: u16, sub: u8) {
+        let is_free = matches!(self.services.parameters.job(), Job::Nothing);
+        if let Ok(entry) = od::find::<D>(index, sub)
+            && self.services.parameters.is_order(entry)
+            && self.services.parameters.has_store()
+            && is_free
+        {
+            self.services.parameters.begin(entry);
+        }
     }
 
     /// Ends a boot: what is stored takes the place of the power-on values, as far as it fits this device. What is damaged or

@@ -19,6 +19,7 @@ use canopen::od::{self, Dictionary, Entry, write_u32};
 use canopen::{Application, Instant};
 
 use super::commissioning::{Commissioning, setting};
+use crate::behaviour::Behaviour;
 use crate::commands::Commands;
 use crate::controlword::ControlwordHistory;
 use crate::cyclic::{CyclicConfiguration, SyncEvent};
@@ -34,6 +35,8 @@ const SYNC_PERIOD: u16 = canopen::cia301::sync::PERIOD;
 pub(crate) const RESTART_DELAY: u16 = 0x2011;
 /// How long an SDO server waits for the next frame of a client.
 pub(crate) const SDO_TIME_OUT: u16 = 0x5FF3;
+/// The data sheet of the device.
+const STORE_EDS: u16 = 0x1021;
 const IDENTITY: u16 = 0x1018;
 const SERIAL_NUMBER: u8 = 4;
 /// What the network is to the drive.
@@ -50,10 +53,12 @@ pub(crate) enum Network {
     },
 }
 
-/// The application of the node: it watches the drive objects, and hands everything on to the application `A` of the firmware.
+/// The application of the node: it watches the drive objects, and hands everything on to the module `B` of the product and the application `A` of
+/// the firmware.
 #[derive(Debug)]
-pub(crate) struct Hooks<A> {
+pub(crate) struct Hooks<A, B> {
     pub(crate) application: A,
+    pub(crate) behaviour: B,
     serial_number: u32,
     history: ControlwordHistory,
     units: Units,
@@ -78,10 +83,11 @@ pub(crate) struct Hooks<A> {
     has_period: bool,
 }
 
-impl<A> Hooks<A> {
+impl<A, B: Behaviour> Hooks<A, B> {
     pub(crate) fn new(serial_number: u32, application: A) -> Self {
         Self {
             application,
+            behaviour: B::default(),
             serial_number,
             history: ControlwordHistory::new(0),
             units: Units::NONE,
@@ -124,6 +130,11 @@ impl<A> Hooks<A> {
     pub(crate) const fn touch(&mut self) {
         self.written = true;
         self.configured = true;
+    }
+
+    /// Commands are to be posted even if no drive object was written.
+    pub(crate) const fn touch_commands(&mut self) {
+        self.written = true;
     }
 
     /// Whether a drive object was written since the last call.
@@ -200,10 +211,14 @@ impl<A> Hooks<A> {
 
     /// What the drive objects ask of the drive. What has passed in the controlword is given once. Velocities and accelerations become
     /// increments here.
-    pub(crate) fn commands<D: Objects>(&mut self, dictionary: &D, network: Network) -> Commands {
+    pub(crate) fn commands<D: Dictionary + Objects>(
+        &mut self,
+        dictionary: &D,
+        network: Network,
+    ) -> Commands {
         let units = self.units.of_drive::<D>();
         let passed = self.history.take();
-        Commands {
+        let mut commands = Commands {
             controlword: dictionary.controlword(),
             rising: passed.rising,
             stop: passed.stop,
@@ -234,11 +249,16 @@ impl<A> Hooks<A> {
             digital_outputs_mask: dictionary.digital_outputs_mask(),
             outputs_written: core::mem::take(&mut self.outputs_written),
             passed_set_point: None,
+            fault: None,
+        };
+        if B::IS_THERE {
+            self.behaviour.command(dictionary, units, &mut commands);
         }
+        commands
     }
 }
 
-impl<A> Hooks<A> {
+impl<A, B> Hooks<A, B> {
     /// Whether node-ID or bit rate may get a value, wherever they are objects: as 5FF0h not while the power stage is on, and whatever a load of the
     /// parameters brings, which is not taken.
     fn check_setting<D: Dictionary + Objects>(
@@ -258,7 +278,7 @@ impl<A> Hooks<A> {
     }
 }
 
-impl<D: Dictionary + Objects, A: Application<D>> Application<D> for Hooks<A> {
+impl<D: Dictionary + Objects, A: Application<D>> Application<D> for Hooks<A, D::Behaviour> {
     fn validate(&mut self, dictionary: &D, entry: &Entry, value: &[u8]) -> Result<(), AbortCode> {
         let parameter = D::parameter(entry);
         let protected = self.protection.check(dictionary, entry, parameter, value);
@@ -271,6 +291,9 @@ impl<D: Dictionary + Objects, A: Application<D>> Application<D> for Hooks<A> {
             && let Some(number) = od::number(entry, value)
         {
             rules::check(parameter, D::converted(entry, number)?, dictionary)?;
+        }
+        if D::Behaviour::IS_THERE {
+            self.behaviour.check(dictionary, entry, value)?;
         }
         self.application.validate(dictionary, entry, value)
     }
@@ -318,6 +341,9 @@ impl<D: Dictionary + Objects, A: Application<D>> Application<D> for Hooks<A> {
         if is_elsewhere && !self.protection.is_loading() {
             self.commissioning.written(dictionary, entry);
         }
+        if D::Behaviour::IS_THERE {
+            self.behaviour.written(dictionary, entry);
+        }
         self.application.written(dictionary, entry);
     }
 
@@ -329,6 +355,9 @@ impl<D: Dictionary + Objects, A: Application<D>> Application<D> for Hooks<A> {
     }
 
     fn size(&mut self, dictionary: &D, entry: &Entry) -> Result<Option<u32>, AbortCode> {
+        if !D::DATA_SHEET.is_empty() && entry.index == STORE_EDS {
+            return Ok(u32::try_from(D::DATA_SHEET.len()).ok());
+        }
         self.application.size(dictionary, entry)
     }
 
@@ -339,6 +368,14 @@ impl<D: Dictionary + Objects, A: Application<D>> Application<D> for Hooks<A> {
         position: u32,
         into: &mut [u8],
     ) -> Result<usize, AbortCode> {
+        if !D::DATA_SHEET.is_empty() && entry.index == STORE_EDS {
+            let from = usize::try_from(position).unwrap_or(usize::MAX);
+            let rest = D::DATA_SHEET.get(from..).unwrap_or_default();
+            for (to, byte) in into.iter_mut().zip(rest) {
+                *to = *byte;
+            }
+            return Ok(rest.len().min(into.len()));
+        }
         self.application.read_at(dictionary, entry, position, into)
     }
 
@@ -389,6 +426,9 @@ impl<D: Dictionary + Objects, A: Application<D>> Application<D> for Hooks<A> {
         self.protection.show(dictionary);
         if D::DRIVE.scope {
             self.desk.power_on(dictionary);
+        }
+        if D::Behaviour::IS_THERE {
+            self.behaviour.power_on(dictionary);
         }
         self.application.power_on(dictionary);
         dictionary.agree();

@@ -3,6 +3,7 @@
 use super::stopping::Power;
 use super::{Drive, Tick};
 use crate::actuator::Actuator;
+use crate::behaviour::Behaviour;
 use crate::controlword::Command;
 use crate::faults::Reaction;
 use crate::objects::Objects;
@@ -20,6 +21,11 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
     pub(super) fn change_state(&mut self, tick: &Tick<'_>, command: Option<Command>) {
         let now = tick.now;
         let both_limits = self.switches.both_limits();
+        let found = tick.inputs.fault.or(if D::Behaviour::IS_THERE {
+            self.commands.fault
+        } else {
+            None
+        });
         let detected = self.faults.detect(
             tick.inputs,
             self.power.is_on(),
@@ -27,6 +33,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
                 && (tick.is_displaced || self.monitor.observed().is_lost),
             both_limits,
             &self.periphery.stage,
+            found,
         );
         let control = self.control(tick, command);
         let (remote, command) = (control.is_remote, self.gated(control.command));

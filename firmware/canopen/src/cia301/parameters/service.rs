@@ -71,6 +71,11 @@ impl Parameters {
         self.has_store = true;
     }
 
+    /// Whether the firmware has a store.
+    pub(crate) const fn has_store(&self) -> bool {
+        self.has_store
+    }
+
     /// A reset: what was under way is void, and what is stored is to be loaded. Returns whether it is.
     pub(crate) fn reset(&mut self, reset: Reset) -> bool {
         self.is_dated = false;

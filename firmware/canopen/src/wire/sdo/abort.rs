@@ -58,6 +58,10 @@ pub enum AbortCode {
     DeviceState = 0x0800_0022,
     /// No data available.
     NoData = 0x0800_0024,
+    /// A maker's own: his buffer is full.
+    BufferFull = 0xFF03_0000,
+    /// A maker's own: his last command is still being carried out.
+    CommandBusy = 0xFF04_0000,
 }
 
 impl AbortCode {

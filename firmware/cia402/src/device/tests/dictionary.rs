@@ -198,6 +198,8 @@ impl Dictionary for DriveDictionary {
 }
 
 impl Objects for DriveDictionary {
+    type Behaviour = ();
+
     fn set_error_code(&mut self, value: u16) {
         self.put_u16(0x603F, value);
     }

@@ -1,0 +1,128 @@
+//! What a product does beyond its data: a module of its own with a hook in the tick.
+//!
+//! Most of another maker's drive is data: data sheet, binding, habits. Where behaviour is not data (an input that forbids motion, motion tasks),
+//! the product's folder has a Rust module whose `Module` implements [`Behaviour`], and `od-gen` puts it into [`Objects::Behaviour`].
+//! The generic drive has `()`: nothing of this is in its image.
+//!
+//! The device calls it in the task that serves the bus:
+//! - [`Behaviour::check`] and [`Behaviour::written`] with each write of an object of the drive or of its maker;
+//! - [`Behaviour::look`] behind each control tick, and before a frame is taken: what the drive has published, written to the dictionary before;
+//! - [`Behaviour::command`] with each set of commands, before the state machine has them;
+//! - [`Behaviour::asks`] before commands are posted: what else is to be done.
+//!
+//! A call takes a time that is bounded by the module's own numbers, waits for nothing and allocates nothing. A command to stop that it gives is
+//! as urgent as one from the bus ([`crate::Exchange::calls_early`]).
+
+use canopen::Instant;
+use canopen::cia301::nmt::NmtState;
+use canopen::cia301::sdo::AbortCode;
+use canopen::od::{self, Dictionary, Entry};
+
+use crate::commands::Commands;
+use crate::exchange::Actuals;
+use crate::objects::Objects;
+pub use motion::{SignedSpeed, Speed};
+
+use crate::units::Units;
+
+/// What there is to see.
+#[derive(Clone, Copy, Debug)]
+pub struct View<'a> {
+    /// What the drive published last.
+    pub actuals: &'a Actuals,
+    /// The NMT state.
+    pub state: NmtState,
+    /// Parameters are being stored or forgotten.
+    pub is_storing: bool,
+    /// Which of [`Objects::TOLD_ERRORS`] stand, a bit for each.
+    pub errors: u32,
+    /// When.
+    pub at: Instant,
+}
+
+/// What is to be done beside commands. Each is done once.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Asks {
+    /// The commands are others than those given last.
+    pub commands: bool,
+    /// An object that sets something up was written by the module.
+    pub configuration: bool,
+    /// The device is to start anew, as NMT reset node says.
+    pub reset: bool,
+    /// 1010h or 1011h is to be carried out with this sub-index, unless the store is busy.
+    pub order: Option<(u16, u8)>,
+    /// An emergency message: this error has come (true) or is gone.
+    pub error: Option<(u16, bool)>,
+}
+
+/// The module of a product.
+pub trait Behaviour: Default + core::fmt::Debug + 'static {
+    /// Whether there is one.
+    const IS_THERE: bool = true;
+
+    /// Power-on values were loaded, and what is stored will be behind them.
+    fn power_on<D: Dictionary + Objects>(&mut self, dictionary: &mut D) {
+        let _ = dictionary;
+    }
+
+    /// The last check of a write that the rules of the drive allow. `value` is little-endian.
+    ///
+    /// # Errors
+    /// The write is refused with this code, and nothing has changed.
+    fn check<D: Dictionary + Objects>(
+        &mut self,
+        dictionary: &D,
+        entry: &Entry,
+        value: &[u8],
+    ) -> Result<(), AbortCode> {
+        let _ = (dictionary, entry, value);
+        Ok(())
+    }
+
+    /// An object was written.
+    fn written<D: Dictionary + Objects>(&mut self, dictionary: &mut D, entry: &Entry) {
+        let _ = (dictionary, entry);
+    }
+
+    /// The drive has published what it does.
+    fn look<D: Dictionary + Objects>(&mut self, dictionary: &mut D, view: &View<'_>) {
+        let _ = (dictionary, view);
+    }
+
+    /// The commands of the dictionary, on their way to the drive.
+    fn command<D: Dictionary + Objects>(
+        &mut self,
+        dictionary: &D,
+        units: &Units,
+        commands: &mut Commands,
+    ) {
+        let _ = (dictionary, units, commands);
+    }
+
+    /// What is to be done since the last call.
+    fn asks(&mut self) -> Asks {
+        Asks::default()
+    }
+}
+
+/// A drive that does what CiA 402-2 says.
+impl Behaviour for () {
+    const IS_THERE: bool = false;
+}
+
+/// The number in an object; 0 if it has none.
+pub fn number<D: Dictionary>(dictionary: &D, index: u16, sub: u8) -> i64 {
+    od::find::<D>(index, sub)
+        .ok()
+        .and_then(|entry| od::number(entry, od::value(dictionary, entry)))
+        .unwrap_or(0)
+}
+
+/// Puts a number into an object, whatever access a master has; of one that is too large the low bytes. No rule is asked.
+pub fn put_number<D: Dictionary>(dictionary: &mut D, index: u16, sub: u8, number: i64) {
+    if let Ok(entry) = od::find::<D>(index, sub)
+        && let Some(bytes) = number.to_le_bytes().get(..usize::from(entry.size()))
+    {
+        od::put(dictionary, entry, bytes);
+    }
+}

@@ -1,0 +1,266 @@
+//! What the S200 does that is no data: motion tasks, the commands among its parameters and its command engine, its own modes, limits of speed,
+//! warnings that become faults, and status words.
+//!
+//! Where its manual gives no coding or unit, those of its series hold; each place says so.
+
+mod commands;
+mod modes;
+mod status;
+mod tasks;
+
+use canopen::Instant;
+use canopen::cia301::nmt::NmtState;
+use canopen::cia301::sdo::AbortCode;
+use canopen::od::{self, Dictionary, Entry};
+use cia402::behaviour::{Asks, Behaviour, View, number, put_number};
+use cia402::commands::Commands;
+use cia402::controlword::{CHANGE_IMMEDIATELY, NEW_SET_POINT};
+use cia402::units::Units;
+use cia402::{Objects, State};
+
+use commands::Orders;
+use modes::Modes;
+use status::Status;
+use tasks::{Faulty, Tasks};
+
+/// What the drive was like when it was looked at last.
+#[derive(Clone, Copy, Debug)]
+struct Seen {
+    statusword: u16,
+    mode: i8,
+    error_code: u16,
+    /// In the user's counts, and in those of the motor.
+    position: i32,
+    internal: i32,
+    /// Counts/s.
+    velocity: i32,
+    /// 60FDh.
+    inputs: u32,
+    is_enabled: bool,
+    has_power: bool,
+    is_referenced: bool,
+    is_moving: bool,
+    is_storing: bool,
+    state: NmtState,
+    /// When the tick ran, and when it was looked at.
+    ticked: Instant,
+    at: Instant,
+}
+
+impl Default for Seen {
+    fn default() -> Self {
+        Self {
+            statusword: 0,
+            mode: 0,
+            error_code: 0,
+            position: 0,
+            internal: 0,
+            velocity: 0,
+            inputs: 0,
+            is_enabled: false,
+            has_power: false,
+            is_referenced: false,
+            is_moving: false,
+            is_storing: false,
+            state: NmtState::Initialisation,
+            ticked: Instant::from_ticks(0),
+            at: Instant::from_ticks(0),
+        }
+    }
+}
+
+impl Seen {
+    fn of(view: &View<'_>) -> Self {
+        let actuals = view.actuals;
+        Self {
+            statusword: actuals.statusword,
+            mode: actuals.mode_display,
+            error_code: actuals.error_code,
+            position: actuals.position_actual,
+            internal: actuals.position_actual_internal,
+            velocity: actuals.velocity_actual,
+            inputs: actuals.digital_inputs,
+            is_enabled: State::from_statusword(actuals.statusword) == Some(State::OperationEnabled),
+            has_power: actuals.has_power(),
+            is_referenced: actuals.referenced,
+            is_moving: actuals.is_moving,
+            is_storing: view.is_storing,
+            state: view.state,
+            ticked: actuals.at,
+            at: view.at,
+        }
+    }
+}
+
+/// The module.
+#[derive(Debug, Default)]
+pub struct Module {
+    seen: Seen,
+    tasks: Tasks,
+    orders: Orders,
+    modes: Modes,
+    status: Status,
+    asks: Asks,
+    /// Power-on values are loaded, and the stored ones may not be yet.
+    is_starting: bool,
+}
+
+impl Module {
+    /// Starts a motion task, or tells why it does not.
+    fn start<D: Dictionary>(&mut self, dictionary: &mut D, number: u16, is_by_edge: bool) {
+        let seen = self.seen;
+        match self.tasks.start(dictionary, number, &seen, is_by_edge) {
+            Ok(()) => self.tell(None),
+            Err(why) => self.tell(Some(why)),
+        }
+        self.asks.commands = true;
+    }
+
+    /// n08 and n09, and the emergency message of an invalid number.
+    fn tell(&mut self, why: Option<Faulty>) {
+        const INVALID_TASK: u16 = 0x8681;
+        let was_told = self.status.faulty == Some(Faulty::Task);
+        match (was_told, why == Some(Faulty::Task)) {
+            (false, true) => self.asks.error = Some((INVALID_TASK, true)),
+            (true, false) => self.asks.error = Some((INVALID_TASK, false)),
+            _ => {}
+        }
+        self.status.faulty = why;
+    }
+
+    /// A new controlword.
+    fn controlword<D: Dictionary + Objects>(&mut self, dictionary: &mut D) {
+        let word = dictionary.controlword();
+        let rises = self.orders.controlword(word, &self.seen);
+        if rises & 1 << 7 != 0 {
+            self.tell(None);
+        }
+        if !self.seen.is_enabled || rises & NEW_SET_POINT == 0 {
+            return;
+        }
+        let chosen = u16::try_from(number(dictionary, 0x2080, 0)).unwrap_or(0);
+        let is_by_edge = matches!(self.seen.mode, 1) && word & CHANGE_IMMEDIATELY != 0;
+        let task = if chosen == 0 {
+            self.tasks.repeated()
+        } else {
+            chosen
+        };
+        if is_by_edge && task != 0 {
+            put_number(dictionary, 0x2080, 0, 0);
+            self.start(dictionary, task, true);
+        } else {
+            // A direct set-point, or homing.
+            self.tasks.cancel();
+            put_number(dictionary, 0x2081, 0, 0);
+            let target = dictionary.target_position();
+            put_number(dictionary, 0x3654, 1, target.into());
+        }
+    }
+}
+
+impl Behaviour for Module {
+    fn power_on<D: Dictionary + Objects>(&mut self, dictionary: &mut D) {
+        *self = Self {
+            is_starting: true,
+            ..Self::default()
+        };
+        self.status.power_on();
+        let _ = dictionary;
+    }
+
+    fn check<D: Dictionary + Objects>(
+        &mut self,
+        dictionary: &D,
+        entry: &Entry,
+        value: &[u8],
+    ) -> Result<(), AbortCode> {
+        if self.is_starting {
+            return Ok(());
+        }
+        let value = od::number(entry, value).unwrap_or(0);
+        modes::check(dictionary, entry, value)?;
+        self.orders.check(dictionary, entry, value, &self.seen)
+    }
+
+    fn written<D: Dictionary + Objects>(&mut self, dictionary: &mut D, entry: &Entry) {
+        match (entry.index, entry.sub) {
+            (0x6040, _) => self.controlword(dictionary),
+            (0x607A | 0x6081 | 0x6083 | 0x6084 | 0x35BE | 0x35BF, _) => self.tasks.is_direct(),
+            // MTMUX: the task that the next edge starts.
+            (0x365B, 1) => {
+                let task = number(dictionary, 0x365B, 1);
+                put_number(dictionary, 0x2080, 0, task.clamp(0, tasks::LAST.into()));
+            }
+            (0x3642, 1) => {
+                let task = u16::try_from(number(dictionary, 0x3642, 1)).unwrap_or(0);
+                self.start(dictionary, task, false);
+            }
+            (0x35FE, 1) => {
+                self.tasks.stop();
+                self.modes.stop();
+                self.asks.commands = true;
+            }
+            (0x2082, 0) => {
+                let [f0, f1, t0, t1] = (number(dictionary, 0x2082, 0) as u32).to_le_bytes();
+                let (from, to) = (u16::from_le_bytes([f0, f1]), u16::from_le_bytes([t0, t1]));
+                self.tasks.copy(dictionary, from, to);
+                self.asks.configuration |= to == 0;
+            }
+            (0x2083, 0) => self.tasks.forget_flash(dictionary),
+            (0x4000, 2) => {
+                let task = u16::try_from(number(dictionary, 0x4000, 2)).unwrap_or(0);
+                self.tasks.put(dictionary, task, tasks::Task::default());
+            }
+            (0x4000, 3) => self.tasks.forget(dictionary),
+            _ => {}
+        }
+        let seen = self.seen;
+        self.orders
+            .written(dictionary, entry, &seen, &mut self.asks);
+        self.modes.written(dictionary, entry, &seen, &mut self.asks);
+        self.status.written(entry);
+    }
+
+    fn look<D: Dictionary + Objects>(&mut self, dictionary: &mut D, view: &View<'_>) {
+        let before = core::mem::replace(&mut self.seen, Seen::of(view));
+        let seen = self.seen;
+        if self.is_starting && seen.state != NmtState::Initialisation {
+            self.is_starting = false;
+            self.asks.configuration |= modes::begin(dictionary);
+        }
+        if before.ticked != seen.ticked {
+            self.asks.commands |= self.tasks.tick(dictionary, &seen);
+            self.asks.commands |= self.modes.tick(dictionary, &seen);
+            self.asks.commands |= self.orders.tick(dictionary, &seen, &mut self.asks);
+            // NREFMT: a task behind homing.
+            let is_home = |seen: &Seen| seen.mode == 6 && seen.statusword & 0x1400 == 0x1400;
+            let task = u16::try_from(number(dictionary, 0x36D2, 1)).unwrap_or(0);
+            if task != 0 && is_home(&seen) && !is_home(&before) && seen.is_enabled {
+                self.start(dictionary, task, false);
+            }
+        }
+        self.modes.show(dictionary, &seen, self.tasks.takes_mode());
+        let is_jogging = self.modes.is_jogging();
+        self.asks.commands |= self.status.show(dictionary, &seen, is_jogging);
+    }
+
+    fn command<D: Dictionary + Objects>(
+        &mut self,
+        dictionary: &D,
+        units: &Units,
+        commands: &mut Commands,
+    ) {
+        let seen = self.seen;
+        self.modes.command(dictionary, units, &seen, commands);
+        self.tasks.command(dictionary, units, &seen, commands);
+        self.orders.command(&seen, commands);
+        modes::disable(dictionary, units, commands);
+        modes::limit(dictionary, units, &seen, commands);
+        commands.fault = self.status.fault();
+        self.status.outputs(dictionary, commands);
+    }
+
+    fn asks(&mut self) -> Asks {
+        core::mem::take(&mut self.asks)
+    }
+}

@@ -1,0 +1,241 @@
+//! Warnings and the faults they become, over-speed, the fieldbus watchdog, words of status, the display, outputs that compare.
+//!
+//! The manual describes no bit of STAT, DRVSTAT and TRJSTAT. As in its series DRVSTAT are the warnings of 2000h, TRJSTAT is 1002h; bit 5 of STAT
+//! tells that the drive has started anew, until CLRHR.
+
+use canopen::Instant;
+use canopen::od::{Dictionary, Entry};
+use cia402::behaviour::{number, put_number};
+use cia402::commands::Commands;
+
+use super::Seen;
+use super::tasks::Faulty;
+
+/// 2000h.
+const FAULTY_TASK: i64 = 1 << 7;
+const NO_REFERENCE: i64 = 1 << 8;
+const WATCHDOG: i64 = 1 << 3;
+
+/// F24, F08, n04.
+const WARNING_IS_FAULT: u16 = 0xFF06;
+const OVER_SPEED: u16 = 0x8480;
+const NODE_SILENT: u16 = 0x8130;
+/// F32, category 4: nothing clears it but power. F26: homing has run onto a limit switch.
+const EXCEPTION: u16 = 0x6100;
+const ON_LIMIT: u16 = 0x8612;
+
+/// STAT.
+const STARTED_ANEW: i64 = 1 << 5;
+
+/// The texts of errors on the display, by the codes that the drive has.
+const DISPLAYS: [(u16, u8); 23] = [
+    (0x8612, 26),
+    (0x4210, 1),
+    (0x3210, 2),
+    (0x8611, 3),
+    (0x7300, 4),
+    (0x7303, 4),
+    (0x3220, 5),
+    (0x4310, 6),
+    (0x8480, 8),
+    (0x5530, 9),
+    (0x7305, 10),
+    (0x7111, 11),
+    (0x2380, 12),
+    (0x4110, 13),
+    (0x5400, 14),
+    (0x8331, 15),
+    (0x3100, 16),
+    (0x5380, 17),
+    (0x5420, 18),
+    (0x2330, 22),
+    (0x8140, 23),
+    (0xFF06, 24),
+    (0x7122, 25),
+];
+
+/// What the module finds by itself.
+#[derive(Debug, Default)]
+pub(super) struct Status {
+    /// Why the last motion task did not start.
+    pub(super) faulty: Option<Faulty>,
+    fault: Option<u16>,
+    has_started_anew: bool,
+    has_exception: bool,
+    /// When the master last wrote something.
+    heard: Option<Instant>,
+    was_written: bool,
+    is_silent: bool,
+    /// Levels of the outputs that compare, and which those are.
+    levels: (u32, u32),
+}
+
+impl Status {
+    pub(super) fn power_on(&mut self) {
+        self.has_started_anew = true;
+    }
+
+    pub(super) fn written(&mut self, entry: &Entry) {
+        self.was_written = true;
+        if (entry.index, entry.sub) == (0x3519, 1) {
+            self.has_started_anew = false;
+        }
+    }
+
+    pub(super) const fn fault(&self) -> Option<u16> {
+        self.fault
+    }
+
+    /// Brings the words up to date. Returns whether the commands are others now.
+    pub(super) fn show<D: Dictionary>(
+        &mut self,
+        dictionary: &mut D,
+        seen: &Seen,
+        is_jogging: bool,
+    ) -> bool {
+        let before = (self.fault, self.levels);
+        self.watch(dictionary, seen);
+        let mut warnings = number(dictionary, 0x2000, 0)
+            | match self.faulty {
+                Some(Faulty::Task) => FAULTY_TASK,
+                Some(Faulty::Reference) => NO_REFERENCE,
+                None => 0,
+            };
+        if self.is_silent {
+            warnings |= WATCHDOG;
+        }
+        if warnings >> 16 & 0xFFFF != 0 {
+            warnings |= 1 << 15;
+        }
+        put_number(dictionary, 0x2000, 0, warnings);
+        let first = (warnings != 0).then(|| i64::from(warnings.trailing_zeros()) + 1);
+        put_number(dictionary, 0x38F7, 1, first.unwrap_or(0));
+        let grave = warnings & number(dictionary, 0x363E, 1);
+        if grave != 0 {
+            let history = number(dictionary, 0x36CE, 1);
+            put_number(dictionary, 0x36CE, 1, history | grave);
+        }
+        // VOSPD is 1/min; a turn has 65536 counts.
+        let most = number(dictionary, 0x3627, 1).saturating_mul(65_536) / 60;
+        let is_fast = most != 0 && i64::from(seen.velocity).abs() > most;
+        self.has_exception |= seen.error_code == EXCEPTION;
+        let has_failed_to_home = seen.mode == 6 && seen.statusword & 1 << 13 != 0;
+        self.fault = if self.has_exception {
+            Some(EXCEPTION)
+        } else if has_failed_to_home && seen.inputs & 0b11 != 0 {
+            Some(ON_LIMIT)
+        } else if grave != 0 {
+            Some(WARNING_IS_FAULT)
+        } else if is_fast {
+            Some(OVER_SPEED)
+        } else if self.is_silent {
+            Some(NODE_SILENT)
+        } else {
+            None
+        };
+        self.show_words(dictionary, seen, (warnings, first), is_jogging);
+        self.compare(dictionary, seen, warnings);
+        before != (self.fault, self.levels)
+    }
+
+    /// EXTWD: a master that writes nothing for so many ms while the motor has power.
+    fn watch<D: Dictionary>(&mut self, dictionary: &D, seen: &Seen) {
+        let patience = u64::try_from(number(dictionary, 0x353A, 1)).unwrap_or(0) * 1_000;
+        if core::mem::take(&mut self.was_written) || !seen.has_power || patience == 0 {
+            self.heard = Some(seen.at);
+        }
+        let silent = self.heard.and_then(|at| seen.at.checked_duration_since(at));
+        self.is_silent = patience != 0 && silent.is_some_and(|silent| silent.ticks() > patience);
+    }
+
+    fn show_words<D: Dictionary>(
+        &self,
+        dictionary: &mut D,
+        seen: &Seen,
+        (warnings, first): (i64, Option<i64>),
+        is_jogging: bool,
+    ) {
+        // Latches: what 60B9h would show stands in an object of our own.
+        let latched = number(dictionary, 0x5101, 0);
+        let latch = |from: u32, to: u32| (latched >> from & 1) << to;
+        let register = number(dictionary, 0x1002, 0)
+            | i64::from(is_jogging) << 17
+            | latch(9, 4)
+            | latch(10, 18)
+            | latch(1, 20)
+            | latch(2, 21);
+        put_number(dictionary, 0x1002, 0, register);
+        put_number(dictionary, 0x352D, 1, warnings);
+        put_number(dictionary, 0x3613, 1, register);
+        put_number(dictionary, 0x35FD, 1, i64::from(seen.statusword));
+        let stat = i64::from(self.has_started_anew) * STARTED_ANEW;
+        put_number(dictionary, 0x35FB, 1, stat);
+        // PRBASE: a turn has so many bits in 6063h, and 16 in the drive.
+        let shift = number(dictionary, 0x35D1, 1).clamp(0, 31);
+        let internal = i64::from(seen.internal) << shift >> 16;
+        put_number(dictionary, 0x6063, 0, internal);
+        // Twenty bits of a turn with sixteen.
+        put_number(
+            dictionary,
+            0x35D2,
+            1,
+            i64::from(seen.internal) << 4 & 0xF_FFFF,
+        );
+        for (sub, stored, long, short) in [
+            (1, 1, 0x357C, 0x367F),
+            (2, 2, 0x357D, 0x3680),
+            (3, 9, 0x357A, 0x3578),
+            (4, 10, 0x357B, 0x3579),
+        ] {
+            if latched >> stored & 1 != 0 {
+                let position = number(dictionary, 0x5102, sub);
+                put_number(dictionary, long, 1, position);
+                put_number(dictionary, short, 1, position as i16 as i64);
+            }
+        }
+        put_number(dictionary, 0x5104, 0, display(seen, first).into());
+    }
+
+    /// O1MODE and O2MODE that compare with O1TRIG and O2TRIG, as in its series: 1 slower and 2 faster (1/min), 6 beyond a position, 16 a warning.
+    fn compare<D: Dictionary>(&mut self, dictionary: &mut D, seen: &Seen, warnings: i64) {
+        self.levels = (0, 0);
+        for (place, mode, trigger) in [(16, 0x35AF, 0x35B0), (17, 0x35B2, 0x35B3)] {
+            let trigger = number(dictionary, trigger, 1);
+            let speed = i64::from(seen.velocity).abs() * 60 / 65_536;
+            let level = match number(dictionary, mode, 1) {
+                1 => speed < trigger,
+                2 => speed > trigger,
+                6 => i64::from(seen.position) > trigger,
+                16 => warnings != 0,
+                _ => continue,
+            };
+            self.levels.0 |= u32::from(level) << place;
+            self.levels.1 |= 1 << place;
+        }
+    }
+
+    /// Puts the outputs that compare into the commands.
+    pub(super) fn outputs<D: Dictionary>(&self, _: &D, commands: &mut Commands) {
+        let (levels, those) = self.levels;
+        if those != 0 {
+            commands.digital_outputs = commands.digital_outputs & !those | levels;
+            commands.digital_outputs_mask |= those;
+            commands.outputs_written = true;
+        }
+    }
+}
+
+/// What the display shows, four characters: F and the number of the fault, n and that of the warning, E or D.
+fn display(seen: &Seen, warning: Option<i64>) -> u32 {
+    let is_fault = seen.statusword & 1 << 3 != 0;
+    let text = |letter: u8, number: u8| {
+        u32::from_le_bytes([letter, b'0' + number / 10 % 10, b'0' + number % 10, b' '])
+    };
+    let fault = DISPLAYS.iter().find(|(code, _)| *code == seen.error_code);
+    match (is_fault, warning) {
+        (true, _) => text(b'F', fault.map_or(32, |(_, number)| *number)),
+        (false, Some(number)) => text(b'n', u8::try_from(number).unwrap_or(0)),
+        (false, None) if seen.has_power => u32::from_le_bytes(*b"E   "),
+        (false, None) => u32::from_le_bytes(*b"D   "),
+    }
+}
