@@ -10,9 +10,7 @@ use rtic::Mutex;
 use runtime::{inbox, Controller, Inbox, Lost, Node, PowerUp, Received, Signals};
 use store::Store;
 
-use crate::board::{
-    self, Board, ControlTimer, Desk, InputLines, Parts, Receive, Selected, Steps,
-};
+use crate::board::{self, Board, ControlTimer, Desk, InputLines, Parts, Receive, Selected, Steps};
 use crate::clock;
 use crate::control::{Control, CONFIG, RATE_HZ};
 use crate::dictionary::Dictionary;
