@@ -1,6 +1,6 @@
 //! Steppers in closed loop by their load angle (20C4h): loads above the holding torque in each mode, and what is told of them.
 
-use sim::plant::{Axis, ServoAxisData, ServoMotor, Switch, Track};
+use sim::plant::{Axis, ServoAxisData, Switch, Track};
 use tests::drive::{
     FAULT, INTERNAL_LIMIT, OPERATION_ENABLED, SWITCHED_ON, ServoBench, TARGET_REACHED,
 };
@@ -49,7 +49,11 @@ fn watch(drive: &mut ServoBench, milliseconds: u64) -> (u16, u16) {
         drive.run_millis(1);
         let word = drive.statusword();
         (all, any) = (all & word, any | word);
-        let lead = drive.axis().plant().servo().map(ServoMotor::lead);
+        let lead = drive
+            .axis()
+            .plant()
+            .servo()
+            .map(|servo| servo.loops().lead());
         assert!(lead <= Some(BOUND), "{lead:?}");
     }
     drive.reaches(OPERATION_ENABLED, 1);
