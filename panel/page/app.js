@@ -65,7 +65,9 @@ banner.append(bannerText, takeButton);
 function updateBanner() {
   let text = null;
   let kind = "";
-  if (!known.connected) {
+  if (!known.connected && known.refused) {
+    [text, kind] = ["This address has no token, or not that of the panel that runs now. The panel has printed the right address when it was started.", "bad"];
+  } else if (!known.connected) {
     [text, kind] = ["No connection with the panel. It is tried again each second; a drive that was jogged has been stopped.", "bad"];
   } else if (known.readOnly) {
     [text, kind] = ["Read-only: nothing is written, and nothing can be stopped from here.", "info"];

@@ -119,6 +119,7 @@ export function enter(place) {
         number)),
   };
   parts.unnumbered.classList.add("attention");
+  visible(parts.unnumbered, false);
   const rate = element("select", { id: "rate", "data-writes": true }, ...RATES.map((kbit) => element("option", { value: kbit }, `${kbit} kbit/s`)));
   rate.addEventListener("input", () => { parts.chosen = true; });
   const keeps = element("input", { type: "checkbox", checked: true, id: "rate-store" });

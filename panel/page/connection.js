@@ -13,6 +13,8 @@ export const known = {
   writer: null,
   version: "",
   state: null,
+  // The panel does not let this window in: its address has no token, or another one.
+  refused: false,
 };
 
 /** Whether this window may write. */
@@ -90,6 +92,8 @@ export function connect() {
   socket.onclose = () => {
     const was = known.connected;
     known.connected = false;
+    // A socket that was refused does not tell why; this question does.
+    if (!was) fetch(`/token${query}`).then(({ status }) => { known.refused = status === 401; }, () => {}).then(() => tell("connection"));
     for (const asked of waiting.values()) asked.reject(new Error("the connection with the panel was lost"));
     waiting.clear();
     if (was) tell("connection");

@@ -58,7 +58,8 @@ async function renew(drive) {
 function rows() {
   const cell = (text, name = "") => element("td", { class: name }, text ?? "–");
   parts.rows.replaceChildren(...tuned.parameters.map((one) => element("tr", { "data-differs": one.found !== null && one.found !== one.set },
-    element("th", { scope: "row" }, one.name), cell(one.found, "measured"), cell(one.set ?? "as built"), cell(one.unit), element("td", {}, element("code", {}, one.object)))));
+    element("th", { scope: "row" }, one.name, " ", element("span", { class: "unit" }, one.unit)),
+    cell(one.found, "measured"), cell(one.set ?? "as built"), element("td", { class: "object" }, element("code", {}, one.object)))));
   visible(parts.encoder, tuned.encoder !== null);
   show(parts.encoder, tuned.encoder ? `Encoder: ${tuned.encoder}.` : "");
   const isFound = tuned.parameters.some((one) => one.found !== null);
@@ -131,6 +132,7 @@ export function enter(place) {
       element("p", {}, "A stepper that follows its pulses has no loops of velocity and position. The page Scope records how it moves.")),
     progress: element("progress", { id: "tuning-progress", "aria-label": "How far the measurement is" }),
     at: element("p", { class: "busy", id: "tuning-at", role: "status" }),
+    silent: element("p", { class: "fault", role: "alert" }, "The drive does not answer."),
     power: element("p", { class: "quiet", id: "tuning-power" }, "The motor has power. The page Drive takes it away; it is given back here for the measurement alone."),
     rows: element("tbody", { id: "tuning-rows" }),
     encoder: element("p", { class: "quiet", id: "tuning-encoder" }),
@@ -151,10 +153,10 @@ export function enter(place) {
       element("p", {}, "The motor moves by itself: a turn of its field and strokes to both sides. It must be free to turn, and lift nothing. STOP and the space bar end it at any moment."),
       element("div", { class: "fields" }, field("current", "Current, of the rated one", "%"), field("bandwidth", "Wanted bandwidth of the velocity loop", "1/s")),
       element("div", { class: "line" }, ...parts.buttons),
-      parts.power, parts.at, parts.progress),
+      parts.silent, parts.power, parts.at, parts.progress),
     card("Motor and gains",
       element("div", { class: "scroll low" }, element("table", { class: "log tuned" },
-        element("thead", {}, element("tr", {}, ...["", "Measured", "Set", "Unit", "Object"].map((title) => element("th", { scope: "col" }, title)))), parts.rows)),
+        element("thead", {}, element("tr", {}, ...[["", ""], ["Measured", ""], ["Set", ""], ["Object", "object"]].map(([title, name]) => element("th", { scope: "col", class: name }, title)))), parts.rows)),
       parts.encoder,
       element("div", { class: "line" }, parts.said, parts.write)),
     parts.responseCard, parts.stepCard);
@@ -191,7 +193,8 @@ export function update() {
   renew(drive);
   const { tuning } = state;
   const hasPower = ["switched_on", "operation_enabled", "quick_stop_active", "fault_reaction_active"].includes(drive.state);
-  visible(parts.power, hasPower && !tuning);
+  visible(parts.silent, !drive.answers && !tuning);
+  visible(parts.power, hasPower && drive.answers && !tuning);
   visible(parts.at, Boolean(tuning));
   visible(parts.progress, Boolean(tuning));
   if (tuning) {

@@ -70,6 +70,7 @@ pub struct Shared {
 pub async fn serve(listener: TcpListener, shared: Arc<Shared>) -> std::io::Result<()> {
     let router = Router::new()
         .route("/ws", get(window))
+        .route("/token", get(token))
         .fallback(get(file))
         .with_state(shared);
     axum::serve(listener, router).await
@@ -88,6 +89,14 @@ async fn file(uri: Uri) -> Response {
     match assets::find(uri.path()) {
         Some(asset) => (headers(asset.kind), asset.bytes).into_response(),
         None => StatusCode::NOT_FOUND.into_response(),
+    }
+}
+
+/// Whether an address has the token; a socket that was refused does not tell a page why.
+async fn token(State(shared): State<Arc<Shared>>, uri: Uri) -> StatusCode {
+    match &shared.token {
+        Some(token) if !origin::has_token(uri.query(), token) => StatusCode::UNAUTHORIZED,
+        _ => StatusCode::NO_CONTENT,
     }
 }
 

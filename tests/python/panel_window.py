@@ -40,14 +40,15 @@ class Panel:
     """A panel that runs, and the windows that look at it."""
 
     def __init__(self, program, arguments, browser):
-        self.server = Server([program, "--listen", "127.0.0.1:0", *arguments])
+        listen = [] if "--listen" in arguments else ["--listen", "127.0.0.1:0"]
+        self.server = Server([program, *listen, *arguments])
         self.browser = browser
         self.complaints = []
         greeting = []
         while (line := self.server.lines.get(timeout=120)) != "ready":
             assert line is not None, self.server.words()
             greeting.append(line)
-        self.address = greeting[-1].removeprefix("panel on ")
+        self.address = greeting[-1].removeprefix("panel on ").replace("0.0.0.0", "127.0.0.1")
         self.slcan = greeting[0].rpartition(" ")[2] if len(greeting) > 1 else None
         self.contexts = []
 
@@ -64,7 +65,7 @@ class Panel:
         expect.set_options(timeout=PATIENCE)
         window.on("console", lambda said: self.complaints.append(said.text) if said.type in ("error", "warning") else None)
         window.on("pageerror", lambda error: self.complaints.append(str(error)))
-        window.on("request", lambda asked: self.complaints.append(asked.url) if not asked.url.startswith((self.address, "blob:")) else None)
+        window.on("request", lambda asked: self.complaints.append(asked.url) if not asked.url.startswith((self.address.partition("?")[0], "blob:")) else None)
         window.goto(self.address + page)
         return window
 
@@ -177,8 +178,14 @@ FAINT = """() => {
     return { channels: [red, green, blue], alpha: found[3] ?? 1 };
   };
   const over = (front, back) => back.map((value, place) => front.channels[place] * front.alpha + value * (1 - front.alpha));
+  // Most words stand on the same cards.
+  const known = new Map();
   const behind = (element) => {
     if (!element) return [255, 255, 255];
+    if (!known.has(element)) known.set(element, colourBehind(element));
+    return known.get(element);
+  };
+  const colourBehind = (element) => {
     const style = getComputedStyle(element);
     const box = element.matches('svg .state') && element.querySelector('rect');
     return over(read(box ? getComputedStyle(box).fill : style.backgroundColor), behind(element.parentElement));

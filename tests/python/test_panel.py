@@ -313,6 +313,17 @@ def test_one_window_writes_the_other_watches_and_may_stop(start, panel):
     enable(second)
 
 
+def test_beyond_this_computer_a_window_needs_the_address_with_the_token(panel, browser):  # noqa: F811
+    one = panel("--virtual", "--listen", "0.0.0.0:0")
+    expect(one.open().locator("#number")).to_be_enabled()
+    stranger = browser.new_page()
+    stranger.goto(one.address.partition("?")[0])
+    expect(stranger.locator("#banner")).to_contain_text("This address has no token")
+    # What it does not know it does not show.
+    expect(stranger.locator("#number")).to_be_hidden()
+    stranger.close()
+
+
 def test_a_panel_that_only_reads_moves_nothing(network, panel):
     """The drive has a node-ID from another master, and this panel sends nothing that changes it."""
     from conftest import give_node_id as number

@@ -16,7 +16,7 @@ use crate::message::{
 };
 
 /// What the recorder knows (docs/scope.md), and whether most people want to see it.
-const RECORDABLE: [(u16, u8, bool); 17] = [
+const RECORDABLE: [(u16, u8, bool); 20] = [
     (0x606C, 0, true),
     (0x6064, 0, true),
     (0x6062, 0, true),
@@ -25,6 +25,9 @@ const RECORDABLE: [(u16, u8, bool); 17] = [
     (0x6041, 0, true),
     (0x6040, 0, true),
     (0x60FD, 0, true),
+    (0x6077, 0, true),
+    (0x6074, 0, false),
+    (0x6078, 0, false),
     (0x607A, 0, false),
     (0x60FF, 0, false),
     (0x6061, 0, false),

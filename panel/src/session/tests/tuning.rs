@@ -4,7 +4,7 @@ use sim::ServoDrive;
 use sim::plant::{Axis, ServoAxisData};
 
 use super::*;
-use crate::message::{Tuned, TuningWish};
+use crate::message::{Tuned, TuningWish, Wish};
 
 impl Bench {
     /// With a servo on a ready axis, that is chosen.
@@ -239,6 +239,41 @@ fn a_panel_that_dies_in_a_measurement_leaves_a_motor_without_power() {
     assert_eq!(
         samples.first().unwrap().position,
         samples.last().unwrap().position
+    );
+}
+
+#[test]
+fn a_servo_records_its_torque_beside_what_every_drive_does() {
+    let (mut bench, _) = Bench::servo(false);
+    let Outcome::Done(Answer::Recordable(all)) = bench.order(Order::Recordable) else {
+        panic!("no channels");
+    };
+    let objects: Vec<&str> = all.iter().map(|one| one.object.as_str()).collect();
+    for torque in ["6074h:00", "6077h:00", "6078h:00"] {
+        assert!(objects.contains(&torque), "{objects:?}");
+    }
+    for some in all.chunks(8) {
+        bench.done(Order::Record(Wish {
+            channels: some.iter().map(|one| one.object.clone()).collect(),
+            trigger: "now".to_owned(),
+            divider: Some(1),
+            samples: Some(10),
+            before: None,
+        }));
+        bench.run_for(500);
+    }
+    assert_eq!(bench.session.state().recordings, 3);
+    // While the recorder waits for something, it is not taken for a measurement.
+    bench.done(Order::Record(Wish {
+        channels: vec!["6077".to_owned()],
+        trigger: "fault".to_owned(),
+        divider: Some(1),
+        samples: Some(10),
+        before: Some(20),
+    }));
+    assert_eq!(
+        bench.refused(Order::Tune(MOTOR)),
+        "the recorder is at work: stop it first"
     );
 }
 
