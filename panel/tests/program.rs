@@ -148,7 +148,7 @@ impl Window {
 fn what_cannot_be_is_one_line_and_exit_code_2() {
     let taken = TcpListener::bind("127.0.0.1:0").unwrap();
     let busy = taken.local_addr().unwrap().to_string();
-    let cases: [(&[&str], &str); 6] = [
+    let cases: [(&[&str], &str); 8] = [
         (&["--virtual", "--listen", &busy], "address already in use"),
         (
             &["--slcan", "/dev/no-such-port", "--listen", "127.0.0.1:0"],
@@ -168,6 +168,14 @@ fn what_cannot_be_is_one_line_and_exit_code_2() {
                 "127.0.0.1:0",
             ],
             "no such file",
+        ),
+        (
+            &["--virtual", "--axis", "nothing", "--listen", "127.0.0.1:0"],
+            "invalid value 'nothing' for '--axis <NAME>'",
+        ),
+        (
+            &["--axis", "servo_100w", "--listen", "127.0.0.1:0"],
+            "--virtual",
         ),
         (
             &[
@@ -209,6 +217,18 @@ fn it_is_ready_when_it_says_so_and_ends_when_it_is_told() {
         }
     };
     assert!(end);
+}
+
+#[test]
+fn the_virtual_drive_has_a_servo_that_needs_no_data_sheet() {
+    let panel = Panel::with_virtual_drive(&["--axis", "servo_100w"]);
+    let mut window = panel.open();
+    window.done(json!({"do": "number", "first": 4, "store": false}));
+    window.done(json!({"do": "choose", "node": 4}));
+    window.wait_until(|state| state["drive"]["can_tune"] == true);
+    let dictionary = window.done(json!({"do": "dictionary", "node": 4}));
+    assert_eq!(dictionary["title"], "servo.eds");
+    assert_eq!(window.done(json!({"do": "tuned"}))["node"], 4);
 }
 
 #[test]

@@ -147,6 +147,8 @@ impl<L: Line> Session<L> {
         chosen.has_enabled = false;
         chosen.drive.guard = Guard::Off;
         self.live = None;
+        // What was not stored is not set any more.
+        self.state.tunings += 1;
         self.master.line_mut().set_heartbeat(None);
     }
 }
