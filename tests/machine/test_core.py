@@ -1,7 +1,7 @@
 """The core of the model: exceptions by short programs, and what a breach tells."""
 
 import pytest
-from program import BIT, CPSID, CPSIE, FLOAT, HIGH, LOOP, LOW, MAIN, NOTE, PEND, RETURN, WAIT, WFI, Program, basepri
+from program import BIT, CPSID, CPSIE, FLOAT, HIGH, LOG, LOOP, LOW, MAIN, NOTE, PEND, RETURN, WAIT, WFI, Program, basepri
 from stm32f405 import Breach, Chip
 from stm32f405.interrupts import IRQ
 from unicorn.arm_const import UC_ARM_REG_R0, UC_ARM_REG_R1, UC_ARM_REG_S0, UC_ARM_REG_SP
@@ -112,10 +112,21 @@ def test_a_bit_has_an_address_of_its_own(chip):
     chip.check()
 
 
-@pytest.mark.parametrize("address", [0x4000_5400, 0x2200_0000, 0x5000_0000, 0x6000_0000, 0xA000_0000, 0xE000_0E80, 0x4002_4000, 0x4001_4800])
+def test_a_bit_of_the_ram_has_an_address_of_its_own(chip):
+    # str r0, [r1]; ldr r0, [r1]; and what has been read into the log: RAM is A5h behind a power-on.
+    for bit, value, byte in ((1, 1, 0xA7), (0, 0, 0xA6), (7, 0, 0x26)):
+        program = Program(chip, "0860 0868 2070 0134")
+        for register, content in ((UC_ARM_REG_R0, value), (UC_ARM_REG_R1, 0x2200_0000 + 32 * 0x1_2345 + 4 * bit)):
+            chip.core.uc.reg_write(register, content)
+        program.run(100)
+        assert chip.core.uc.mem_read(LOG, 1)[0] == value
+        assert chip.engine.ram[0x1_2345] == byte
+
+
+@pytest.mark.parametrize("address", [0x4000_5400, 0x2240_0000, 0x5000_0000, 0x6000_0000, 0xA000_0000, 0xE000_0E80, 0x4002_4000, 0x4001_4800])
 @pytest.mark.parametrize("code", ["0860", "0868"], ids=["str", "ldr"])
 def test_what_is_not_modelled_is_told_with_its_place(chip, address, code):
-    """I2C, bits of the RAM, AHB2, external memory and its controller, the trace of the core,
+    """I2C, bits of more RAM than there is, AHB2, external memory and its controller, the trace of the core,
     the backup RAM, a timer: not one is storage."""
     # nop; str or ldr r0, [r1]
     program = Program(chip, "00bf" + code)

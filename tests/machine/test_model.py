@@ -4,6 +4,7 @@ import pytest
 from drive import ENABLE, PROFILE_POSITION
 from stm32f405 import MS, US, Breach, Chip
 from stm32f405.bxcan import ABOM, BOFF, TTCM, Frame
+from stm32f405.can_filters import match
 from stm32f405.engine import CCM
 
 RCC, GPIOA, DMA2, TIM3 = 0x2_3800, 0x2_0000, 0x2_6400, 0x400
@@ -78,8 +79,8 @@ FORBIDDEN = [
     ("a reserved bit", 0x4000_0400 + CR1, 4, 0x401, "reserved bits 0x400"),
     ("outputs of TIM1 that come back of themselves", 0x4001_0044, 4, 1 << 14, "BDTR .* 0x4000 do"),
     ("a byte in a peripheral that takes words", 0x4000_6400, 1, 1, "1 bytes"),
-    ("frames in the order of their requests", 0x4000_6400, 4, 0x1_0005, "MCR .* 0x4 do"),
-    ("a filter of lists", 0x4000_6604, 4, 1, "FM1R .* 0x1 do"),
+    ("a FIFO that keeps its oldest frames", 0x4000_6400, 4, 0x1_0009, "MCR .* 0x8 do"),
+    ("a filter of CAN 2", 0x4000_6604, 4, 1 << 14, "FM1R .* 0x4000 do"),
     ("a bit time outside of initialisation", 0x4000_641C, 4, 0x011A_0002, "outside of initialisation"),
     ("a peripheral without its clock", 0x4000_0C00, 4, 1, "without the clock"),
     ("a watchdog's register without access", 0x4000_3008, 2, 100, "without access"),
@@ -153,6 +154,80 @@ def test_a_filter_lets_its_identifiers_in(bench):
     assert can.stats["received"] - before == 2 and can.stats["filtered"] == 2
 
 
+def short(identifier, mask=0):
+    """Two halves of a filter of 16 bits: an identifier and a mask, or another one."""
+    return identifier << 5 | mask << 21
+
+
+#: Bank 1 and what it takes of the identifiers 120h to 127h: list, 32 bits, words. The words of masks want standard data frames.
+BANKS = {
+    "a mask of 32 bits": (0, 1, 0x124 << 21, 0x7FE << 21 | 6, {0x124: 0, 0x125: 0}),
+    "a list of 32 bits": (1, 1, 0x122 << 21, 0x127 << 21, {0x122: 0, 0x127: 1}),
+    "masks of 16 bits": (0, 0, short(0x120, 0x7FF) | 0x18 << 16, short(0x126, 0x7FE) | 0x18 << 16, {0x120: 0, 0x126: 1, 0x127: 1}),
+    "a list of 16 bits": (1, 0, short(0x121, 0x122), short(0x123, 0x127), {0x121: 0, 0x122: 1, 0x123: 2, 0x127: 3}),
+}
+
+
+@pytest.mark.parametrize("fifo", [0, 1])
+@pytest.mark.parametrize(("is_list", "is_wide", "first", "second", "taken"), BANKS.values(), ids=list(BANKS))
+def test_a_bank_of_filters_says_which_of_them_took_a_frame(bench, is_list, is_wide, first, second, taken, fifo):
+    chip, can = bench.chip, bench.chip.can
+    for offset, value in ((0x200, 0x2A1C_0E01), (0x21C, 2), (0x204, is_list << 1), (0x20C, is_wide << 1), (0x214, fifo << 1)):
+        chip.store(0x6400 + offset, 4, value)
+    for offset, value in ((0x248, first), (0x24C, second), (0x200, 0x2A1C_0E00), (0x14, 0x10)):
+        chip.store(0x6400 + offset, 4, value)
+    seen = {}
+    received = can.end_received
+
+    def note(frame):
+        before = can.stats["filtered"]
+        received(frame)
+        if can.stats["filtered"] == before:
+            seen[frame.id] = chip.load(0x65B4 + 16 * fifo, 4) >> 8 & 0xFF
+            chip.store(0x640C + 4 * fifo, 4, 1 << 5)
+
+    can.end_received = note
+    # With another length the frames of the device itself are not meant.
+    for identifier in range(0x120, 0x128):
+        can.to_send.append(Frame(identifier, False, False, b"1234567"))
+    bench.milliseconds(2)
+    # Bank 0 is off, and its two filters have numbers of FIFO 0 all the same.
+    numbers = {identifier: number + (2 if fifo == 0 else 0) for identifier, number in taken.items()}
+    assert seen == numbers
+    chip.check()
+
+
+def test_narrow_filters_come_behind_wide_ones_and_masks_behind_lists(bench):
+    can = bench.chip.can
+    word = 0x120 << 21
+    can["FA1R"], can["FS1R"], can["FM1R"] = 0b1111, 0b1010, 0b1100
+    # By bank: masks of 16 bits, a mask of 32, a list of 16, a list of 32.
+    for bank, words in enumerate(((short(0x120, 0x7FF), 0), (word, 0x7FF << 21), (short(0x120), 0), (word, 0))):
+        can[f"F{bank}R1"], can[f"F{bank}R2"] = words
+    for bank, number in ((3, 7), (1, 2), (2, 3), (0, 0)):
+        assert match(can, word) == (0, number)
+        can["FA1R"] &= ~(1 << bank)
+    assert match(can, word) is None
+
+
+def test_with_txfp_frames_leave_in_the_order_of_their_requests(bench):
+    chip, can = bench.chip, bench.chip.can
+    sent = []
+    can.on_frame = lambda frame: sent.append(frame.id)
+    for in_order, expected in ((False, [0x100, 0x200, 0x300]), (True, [0x300, 0x100, 0x200])):
+        sent.clear()
+        chip.store(0x6400, 4, 0x1_0000 | (4 if in_order else 0))
+        # The bus is taken meanwhile.
+        can.to_send.append(Frame(0x7F, False, False, b"12345678"))
+        chip.run(20 * US)
+        for mailbox, identifier in enumerate((0x300, 0x100, 0x200)):
+            chip.store(0x6580 + 16 * mailbox + 4, 4, 0)
+            chip.store(0x6580 + 16 * mailbox, 4, identifier << 21 | 1)
+        chip.run(MS)
+        assert [identifier for identifier in sent if identifier in expected] == expected
+    chip.check()
+
+
 @pytest.mark.parametrize("counts", [True, False])
 def test_a_frame_has_the_bit_time_in_which_it_began(bench, counts):
     can, seen = bench.chip.can, []
@@ -160,7 +235,7 @@ def test_a_frame_has_the_bit_time_in_which_it_began(bench, counts):
         can["MCR"] |= TTCM
     # The device sends nothing of its own meanwhile.
     real = can.end_received
-    can.end_received = lambda frame: (seen.append((can.began, real(frame), can.fifo[-1][1] >> 16)))
+    can.end_received = lambda frame: (seen.append((can.began, real(frame), can.fifos[0][-1][1] >> 16)))
     for _ in range(3):
         bench.network.send_message(0x123, b"\1\2")
     bench.milliseconds(2)

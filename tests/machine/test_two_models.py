@@ -36,6 +36,36 @@ def set_up(chip):
         chip.pins.drive(pin, level)
 
 
+def test_a_stream_with_a_fifo_reads_four_words_ahead(image):
+    """The other way that the stream can have, which the drive has not: what is written too late for it is played a round later."""
+    chip = Chip(image)
+    set_up(chip)
+    chip.core.is_stopped = True
+    stream, words = chip.dma2, list(range(100, 110))
+
+    def write(number, word):
+        chip.core.uc.mem_write(RING + 4 * number, word.to_bytes(4, "little"))
+
+    for number, word in enumerate(words):
+        write(number, word)
+    chip.store(TIM1 + OFFSETS["Dcr"], 4, 0x040B)
+    for register, value in (("Ndtr", 10), ("M0ar", RING), ("Par", 0x4001_004C), ("Fcr", 0x05), ("Cr", 6 << 25 | 0x5540)):
+        chip.store(DMA2 + STREAM[register], 4, value)
+    assert chip.load(DMA2 + STREAM["Fcr"], 4) >> 3 == 4
+    chip.store(DMA2 + STREAM["Cr"], 4, chip.load(DMA2 + STREAM["Cr"], 4) | 1)
+    assert chip.load(DMA2 + STREAM["Fcr"], 4) >> 3 == 5
+    write(3, 203)
+    write(4, 204)
+    stream.burst()
+    played = [chip.load(TIM1 + OFFSETS[name], 4) for name in ("Arr", "Rcr", "Ccr1", "Ccr2")]
+    # ARR, RCR, CCR1, CCR2, CCR3: the fourth was there already, the fifth was not.
+    assert played == [100, 101, 102, 103]
+    assert chip.tim1["CCR3"] == 204
+    assert chip.load(DMA2 + STREAM["Ndtr"], 4) == 5
+    chip.check()
+    chip.leave()
+
+
 def run_to(chip, time):
     while (due := chip.tim1.next_event()) <= time:
         chip.time = due

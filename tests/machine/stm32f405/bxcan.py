@@ -4,11 +4,12 @@ import collections
 import struct
 from collections import namedtuple
 
+from . import can_filters
 from .clock import NEVER
 from .interrupts import IRQ
 from .registers import Peripheral, Register
 
-INRQ, SLEEP, ABOM, TTCM, RESET = 1, 2, 1 << 6, 1 << 7, 0x8000
+INRQ, SLEEP, TXFP, ABOM, TTCM, RESET = 1, 2, 1 << 2, 1 << 6, 1 << 7, 0x8000
 INAK, SLAK, ERRI = 1, 2, 4
 EWGF, EPVF, BOFF = 1, 2, 4
 SILENT = 1 << 31
@@ -25,11 +26,12 @@ class Can(Peripheral):
     CLOCK = (0x40, 25)
     REGISTERS = (
         {
-            0x00: Register("MCR", 0x1_80FF, 0x1_0002, known=0x1_0000 | RESET | TTCM | ABOM | INRQ | SLEEP),
+            0x00: Register("MCR", 0x1_80FF, 0x1_0002, known=0x1_0000 | RESET | TTCM | ABOM | TXFP | INRQ | SLEEP),
             0x04: Register("MSR", 0, 0xC02, rc_w1=0x1C, keep=False),
             0x08: Register("TSR", 0x0080_8080, 0x1C00_0000, keep=False),
             0x0C: Register("RF0R", 0x38, keep=False),
-            0x14: Register("IER", 0x3_8F7F, known=0x8F0B),
+            0x10: Register("RF1R", 0x38, keep=False),
+            0x14: Register("IER", 0x3_8F7F, known=0x8F5B),
             0x18: Register("ESR", 0x70, keep=False),
             0x1C: Register("BTR", 0xC37F_03FF, 0x0123_0000),
         }
@@ -38,17 +40,8 @@ class Can(Peripheral):
             for i in range(3)
             for j, (name, bits) in enumerate((("IR", 0xFFFF_FFFF), ("DTR", 0xFFFF_010F), ("DLR", 0xFFFF_FFFF), ("DHR", 0xFFFF_FFFF)))
         }
-        | {0x1B0 + 4 * j: Register(f"R0{name}", 0) for j, name in enumerate(("IR", "DTR", "DLR", "DHR"))}
-        | {
-            0x200: Register("FMR", 0x3F01, 0x2A1C_0E01, keep=False),
-            0x204: Register("FM1R", 0x0FFF_FFFF, known=0),
-            0x20C: Register("FS1R", 0x0FFF_FFFF, known=1),
-            0x214: Register("FFA1R", 0x0FFF_FFFF, known=0),
-            0x21C: Register("FA1R", 0x0FFF_FFFF, known=1),
-            # One filter of 32 bits: what identifiers have, and which of their bits count.
-            0x240: Register("F0R1"),
-            0x244: Register("F0R2"),
-        }
+        | {0x1B0 + 16 * i + 4 * j: Register(f"R{i}{name}", 0) for i in range(2) for j, name in enumerate(("IR", "DTR", "DLR", "DHR"))}
+        | can_filters.REGISTERS
     )
 
     def __init__(self, chip):
@@ -64,7 +57,9 @@ class Can(Peripheral):
 
     def reset(self):
         super().reset()
-        self.fifo, self.overrun = [], False
+        self.fifos, self.overruns = ([], []), [False, False]
+        #: Which of the mailboxes was asked to send first, with TXFP.
+        self.requests, self.requested = 0, [0, 0, 0]
         self.busy_until, self.on_bus, self.idle_from, self.began = NEVER, None, 0, 0
         self.normal_at = self.recover_at = NEVER
         self.wants_to_leave = False
@@ -167,34 +162,23 @@ class Can(Peripheral):
         code = free[0] if free else max(range(3), key=lambda i: (self[f"T{i}IR"] >> 3, i))
         return tsr & ~(3 << 24) | code << 24
 
-    def read_RF0R(self):
-        return min(len(self.fifo), 3) | (len(self.fifo) >= 3) << 3 | self.overrun << 4
+    def read_fifo(self, number):
+        length = len(self.fifos[number])
+        return min(length, 3) | (length >= 3) << 3 | self.overruns[number] << 4
 
-    def write_RF0R(self, value):
+    def write_fifo(self, number, value):
         if value & 1 << 4:
-            self.overrun = False
+            self.overruns[number] = False
         if value & 1 << 5:
-            if not self.fifo:
-                return self.breach("the output mailbox is released while the FIFO is empty")
-            self.fifo.pop(0)
+            if not self.fifos[number]:
+                return self.breach(f"the output mailbox is released while FIFO {number} is empty")
+            self.fifos[number].pop(0)
 
-    def head(self, word):
-        if not self.fifo:
-            self.breach("the FIFO is read while it is empty")
+    def head(self, number, word):
+        if not self.fifos[number]:
+            self.breach(f"FIFO {number} is read while it is empty")
             return 0
-        return self.fifo[0][word]
-
-    def read_R0IR(self):
-        return self.head(0)
-
-    def read_R0DTR(self):
-        return self.head(1)
-
-    def read_R0DLR(self):
-        return self.head(2)
-
-    def read_R0DHR(self):
-        return self.head(3)
+        return self.fifos[number][0][word]
 
     def write_BTR(self, value):
         if not self["MSR"] & INAK:
@@ -215,6 +199,8 @@ class Can(Peripheral):
         self[f"T{mailbox}{name}"] = value
         if name == "IR" and value & 1:
             self["TSR"] &= ~(1 << 26 + mailbox | 0xF << 8 * mailbox)
+            self.requests += 1
+            self.requested[mailbox] = self.requests
             self.begin_frame(self.chip.now())
 
     def write_filter(self, name, value):
@@ -222,10 +208,10 @@ class Can(Peripheral):
             self.breach(f"{name} written outside of the filters' initialisation")
         self[name] = value
 
-    def write_FA1R(self, value):
-        if value and not self["FS1R"]:
-            self.breach("a filter of two times 16 bits is not modelled")
-        self["FA1R"] = value
+    def write_bank(self, bank, name, value):
+        if not self["FMR"] & 1 and self["FA1R"] >> bank & 1:
+            self.breach(f"{name} written while its bank is on")
+        self[name] = value
 
     # The bus.
 
@@ -237,8 +223,11 @@ class Can(Peripheral):
             waiting = []
         theirs = self.to_send[0] if self.to_send else None
         order = theirs and (theirs.id if theirs.extended else theirs.id << 18)
-        if waiting and (theirs is None or min(waiting)[0] < order):
-            mailbox = min(waiting)[1]
+        first = min(waiting, default=None)
+        if first and self["MCR"] & TXFP:
+            first = min(waiting, key=lambda its: self.requested[its[1]])
+        if first and (theirs is None or first[0] < order):
+            mailbox = first[1]
             self.on_bus, self.began = ("sent", mailbox), now
             self.busy_until = now + self.frame_time(self[f"T{mailbox}DTR"] & 15, self[f"T{mailbox}IR"] & 4)
         elif theirs is not None:
@@ -295,16 +284,19 @@ class Can(Peripheral):
     def end_received(self, frame):
         self.count_errors(0, -1, 0)
         word = (frame.id << 3 | 4 if frame.extended else frame.id << 21) | frame.remote << 1
-        if not self["FA1R"] & 1 or self["FMR"] & 1 or (word ^ self["F0R1"]) & self["F0R2"]:
+        taken = can_filters.match(self, word)
+        if taken is None:
             self.stats["filtered"] += 1
             return
-        entry = (word, len(frame.data) | self.time_stamp(), *struct.unpack("<II", frame.data.ljust(8, b"\0")))
-        if len(self.fifo) >= 3:
-            self.fifo[2] = entry
-            self.overrun = True
+        number, filter_number = taken
+        fifo = self.fifos[number]
+        entry = (word, len(frame.data) | filter_number << 8 | self.time_stamp(), *struct.unpack("<II", frame.data.ljust(8, b"\0")))
+        if len(fifo) >= 3:
+            fifo[2] = entry
+            self.overruns[number] = True
             self.stats["overruns"] += 1
         else:
-            self.fifo.append(entry)
+            fifo.append(entry)
             self.stats["received"] += 1
 
     def garbled(self):
@@ -341,8 +333,9 @@ class Can(Peripheral):
         ier, irqs = self.r[0x14], []
         if ier & 1 and self.r[0x08] & 0x01_0101:
             irqs.append(IRQ["CAN1_TX"])
-        if ier & 2 and self.fifo or ier & 8 and self.overrun:
-            irqs.append(IRQ["CAN1_RX0"])
+        for number, enabled in ((0, ier), (1, ier >> 3)):
+            if enabled & 2 and self.fifos[number] or enabled & 8 and self.overruns[number]:
+                irqs.append(IRQ[f"CAN1_RX{number}"])
         if ier & 0x8000 and self.r[0x04] & ERRI:
             irqs.append(IRQ["CAN1_SCE"])
         return irqs
@@ -353,8 +346,16 @@ def _bind():
         for name in ("IR", "DTR", "DLR", "DHR"):
             write = lambda self, value, m=mailbox, n=name: self.write_mailbox(m, n, value)
             setattr(Can, f"write_T{mailbox}{name}", write)
-    for name in ["FM1R", "FS1R", "FFA1R"]:
+    for number in range(2):
+        setattr(Can, f"read_RF{number}R", lambda self, n=number: self.read_fifo(n))
+        setattr(Can, f"write_RF{number}R", lambda self, value, n=number: self.write_fifo(n, value))
+        for word, name in enumerate(("IR", "DTR", "DLR", "DHR")):
+            setattr(Can, f"read_R{number}{name}", lambda self, n=number, w=word: self.head(n, w))
+    for name in can_filters.SETTINGS:
         setattr(Can, f"write_{name}", lambda self, value, n=name: self.write_filter(n, value))
+    for bank in range(can_filters.BANKS):
+        for name in (f"F{bank}R1", f"F{bank}R2"):
+            setattr(Can, f"write_{name}", lambda self, value, b=bank, n=name: self.write_bank(b, n, value))
 
 
 _bind()

@@ -1,4 +1,4 @@
-"""DMA2 (RM0090, 10), stream 5: words from memory to TIM1_DMAR, round and round, in direct mode."""
+"""DMA2 (RM0090, 10), stream 5: words from memory to TIM1_DMAR, round and round, in direct mode or through its FIFO."""
 
 import random
 
@@ -10,6 +10,9 @@ DMAR = 0x4001_004C
 TCIF, TEIF = 1 << 11, 1 << 9
 FLAGS = 0x3D << 6
 WORDS = 5
+
+#: FCR: by the FIFO. It has four words; FS by how many are there.
+DMDIS, ROOM, LEVELS = 4, 4, (4, 1, 2, 3, 5)
 
 
 class Dma2(Peripheral):
@@ -40,6 +43,8 @@ class Dma2(Peripheral):
     def reset(self):
         super().reset()
         self.total = 0
+        #: What has been read ahead, and which word of memory comes next.
+        self.fifo, self.fetched = [], 0
 
     def read_NDTR(self):
         left = self["NDTR"]
@@ -74,13 +79,37 @@ class Dma2(Peripheral):
             self.breach(f"S5CR {value:#x}: its settings change while the stream is on")
         if value & EN and not self["CR"] & EN:
             self.check(value)
+            self.fifo, self.fetched = [], 0
+            if self["FCR"] & DMDIS:
+                self.fill()
         self["CR"] = value
+
+    def read_FCR(self):
+        return self["FCR"] & 0x87 | LEVELS[len(self.fifo)] << 3
+
+    def word(self, number):
+        """A word of the memory."""
+        address = self["M0AR"] - RAM + 4 * number
+        return int.from_bytes(self.chip.engine.ram[address : address + 4], "little")
+
+    def fill(self):
+        """The FIFO reads ahead until it is full."""
+        while len(self.fifo) < ROOM:
+            self.fifo.append(self.word(self.fetched))
+            self.fetched = (self.fetched + 1) % self.total
+
+    def drain(self):
+        """A word leaves the FIFO, which is filled again once it has as few as its threshold says."""
+        word = self.fifo.pop(0)
+        if len(self.fifo) <= (self["FCR"] & 3) + 1:
+            self.fill()
+        return word
 
     def check(self, cr):
         if self["HISR"] & FLAGS:
             self.breach("the stream is switched on while flags of it are set")
         wanted = 6 << 25 | 2 << 13 | 2 << 11 | MINC | CIRC | 1 << 6
-        if cr & (7 << 25 | 0xF << 11 | MINC | CIRC | 3 << 6) != wanted or self["FCR"] & 4:
+        if cr & (7 << 25 | 0xF << 11 | MINC | CIRC | 3 << 6) != wanted:
             self.breach(f"S5CR {cr:#x}, S5FCR {self['FCR']:#x}: another use of the stream is not modelled")
         begin, end = self["M0AR"], self["M0AR"] + 4 * self.total
         if begin % 4 or not 0x2000_0000 <= begin < end <= 0x2002_0000:
@@ -100,11 +129,11 @@ class Dma2(Peripheral):
         if not self["CR"] & EN:
             return
         tim1, ram = self.chip.tim1.r, self.chip.engine.ram
-        dcr, left = tim1[0x48], self.r[0x8C]
+        dcr, left, ahead = tim1[0x48], self.r[0x8C], self.r[0x9C] & DMDIS
         address = self.r[0x94] - RAM + 4 * (self.total - left)
         for register in range(4 * (dcr & 31), 4 * ((dcr & 31) + (dcr >> 8 & 31) + 1), 4):
             # The lower half of a word is what these registers have.
-            tim1[register] = ram[address] | ram[address + 1] << 8
+            tim1[register] = self.drain() & 0xFFFF if ahead else ram[address] | ram[address + 1] << 8
             address += 4
             left -= 1
             if left == 0:

@@ -27,9 +27,12 @@ CALIBRATION = struct.pack("<HH", 943, 1194)
 #: Where the parameters are stored.
 PARAMETERS, PARAMETERS_SIZE = 0x0800_8000, 0x8000
 
-#: Parts of the chip that are not modelled and lie outside of what the peripherals' buses have: the
-#: bits of the RAM, AHB2, the external memories and their controller.
-ELSEWHERE = ((0x2200_0000, 0x200_0000), (0x5000_0000, 0x6_1000), (0x6000_0000, 0x4000_0000), (0xA000_0000, 0x1000))
+#: Where each bit of the RAM is a word.
+BITS_OF_RAM = 0x2200_0000
+
+#: Parts of the chip that are not modelled and lie outside of what the peripherals' buses have: bits of
+#: RAM that this chip has not, AHB2, the external memories and their controller.
+ELSEWHERE = ((BITS_OF_RAM + 32 * RAM_SIZE, 0x200_0000 - 32 * RAM_SIZE), (0x5000_0000, 0x6_1000), (0x6000_0000, 0x4000_0000), (0xA000_0000, 0x1000))
 
 #: What access rights are for.
 PAGE = 0x400
@@ -107,6 +110,11 @@ class Engine:
             lambda _uc, offset, size, _: self.chip.core.load(offset, size), None,
             lambda _uc, offset, size, value, _: self.chip.core.store(offset, size, value), None,
         )  # fmt: skip
+        uc.mmio_map(
+            BITS_OF_RAM, 32 * RAM_SIZE,
+            lambda _uc, offset, _size, _: self.ram[offset >> 5] >> (offset >> 2 & 7) & 1, None,
+            lambda _uc, offset, _size, value, _: self.store_bit(offset, value & 1), None,
+        )  # fmt: skip
         for address, size in ELSEWHERE:
             uc.mmio_map(
                 address, size,
@@ -119,6 +127,11 @@ class Engine:
         )  # fmt: skip
         uc.hook_add(UC_HOOK_MEM_INVALID, lambda _uc, _access, address, _size, _value, _: self.chip.core.refuse(address))
         uc.hook_add(UC_HOOK_INTR, lambda _uc, number, _: self.chip.core.on_interrupt(number))
+
+    def store_bit(self, offset, value):
+        """A bit of the RAM (PM0214, 2.2.5)."""
+        bit = offset >> 2 & 7
+        self.ram[offset >> 5] = self.ram[offset >> 5] & ~(1 << bit) | value << bit
 
     # Who uses it.
 
