@@ -88,7 +88,7 @@ impl Control {
         self.control.tick(lost, alive, &mut self.stage, exchange)
     }
 
-    /// A tick of its own for a command to stop, unless a regular one was first.
+    /// A tick of its own for a command to stop or a stage that has failed, unless a regular one was first.
     pub fn stop(&mut self, mut exchange: impl Mutex<T = Exchange>) {
         let exchange = &mut Locked(&mut exchange);
         self.control.stop(&mut self.stage, exchange);

@@ -78,7 +78,7 @@ struct Tick<'a> {
     now: Instant,
     /// Microseconds since the last regular tick. In an early one no time passes.
     elapsed: u32,
-    /// It runs between two regular ticks, for a command to stop.
+    /// It runs between two regular ticks, for a command to stop or a stage that has failed.
     is_early: bool,
     inputs: &'a Inputs,
     /// Where the motor is.
@@ -181,8 +181,8 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
     }
 
     /// A tick as soon as a command to stop has come ([`Exchange::calls_early`]): halt, quick stop, disable operation or voltage, a network
-    /// that is lost. It would wait for up to a period; the regular ticks come behind it as they would have come. `now` and `inputs` are as
-    /// for [`Drive::tick`], but the digital inputs are not looked at: their edges are for the regular tick.
+    /// that is lost; or as soon as the host sees that its stage has failed. It would wait for up to a period; the regular ticks come behind it
+    /// as they would have come. `now` and `inputs` are as for [`Drive::tick`], but the digital inputs are not looked at: their edges are for the regular tick.
     ///
     /// It does what concerns the command and the motor. Everything that goes by the regular ticks is left to these: switches and their
     /// debouncing, the touch probes, data records and set-points of the cyclic modes, the rhythm of the ticks, pulses for a motor
