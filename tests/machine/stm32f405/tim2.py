@@ -1,4 +1,5 @@
-"""TIM2 (RM0090, 18): counts what TIM1 shows it, and captures the count at edges of its pins."""
+"""TIM2 (RM0090, 18): counts what TIM1 shows it, and captures the count at edges of its pins. That of a servo counts up and down and switches a brake resistor: channel 3
+its lower switch, channel 4 its upper one."""
 
 from .interrupts import IRQ
 from .timers import Timer, registers
@@ -9,7 +10,7 @@ PINS = {"PA0": 1, "PA1": 2, "PB11": 4}
 
 class Tim2(Timer):
     NAME, CLOCK = "TIM2", (0x40, 0)
-    REGISTERS = registers(32, SMCR=0xFFF7, DIER=0x1E, EGR=1, CCMR1=0xF3F3, CCMR2=0xF3F3, CCER=0xBBBB, CNT=0xFFFF_FFFF)
+    REGISTERS = registers(32, CR1=0xA5, ARR=0xFFFF_FFFF, CCR3=0xFFFF_FFFF, CCR4=0xFFFF_FFFF, SMCR=0xFFF7, DIER=0x1E, EGR=1, CCMR1=0xF3F3, CCMR2=0xFBFB, CCER=0xBBBB, CNT=0xFFFF_FFFF)
 
     def write_SMCR(self, value):
         # External clock mode 1 by the internal trigger 0, which is TIM1.
@@ -31,6 +32,8 @@ class Tim2(Timer):
     def write_CCER(self, value):
         for pin, channel in PINS.items():
             bit = 1 << 4 * (channel - 1)
+            if self["CCMR2"] == 0x7868:
+                continue
             if value & ~self["CCER"] & bit:
                 self.chip.pins.floats(pin, f"{self.NAME} channel {channel}")
         self["CCER"] = value
@@ -43,7 +46,30 @@ class Tim2(Timer):
         self.capture_mode("CCMR1", value)
 
     def write_CCMR2(self, value):
-        self.capture_mode("CCMR2", value)
+        if value == 0x7868:
+            self["CCMR2"] = value
+        else:
+            self.capture_mode("CCMR2", value)
+
+    def write_CCR3(self, value):
+        self["CCR3"] = value
+        self.check_brake()
+
+    def write_CCR4(self, value):
+        self["CCR4"] = value
+        self.check_brake()
+
+    def is_brake(self):
+        return self["CR1"] & 0xE1 == 0xA1 and self["CCMR2"] == 0x7868 and self["CCER"] == 0x1100
+
+    def check_brake(self):
+        """The lower switch is on below CCR3, the upper one from CCR4 on: both at once would be a short of the bus."""
+        if self.is_brake() and self["CCR3"] and self["CCR4"] <= self["ARR"] and self["CCR4"] - self["CCR3"] < 20:
+            self.breach(f"CCR3 {self['CCR3']} and CCR4 {self['CCR4']} switch both sides of the brake on")
+
+    def burns(self):
+        """The share of the time in which the brake resistor is on."""
+        return max(0, self["ARR"] - self["CCR4"]) / self["ARR"] if self.is_brake() else 0
 
     def capture_mode(self, name, value):
         if value & 0x0303 != 0x0101:

@@ -37,7 +37,7 @@ class Tim3(Timer):
     """Overflows again and again, or counts the edges of an encoder (RM0090, 18.3.12): the level of the other line at an edge says the way."""
 
     NAME, CLOCK = "TIM3", (0x40, 1)
-    REGISTERS = registers(16, SMCR=0xFFF7, DIER=1, CCMR1=0x0101, CCER=0x22, CNT=0xFFFF, PSC=0xFFFF, ARR=0xFFFF)
+    REGISTERS = registers(16, SMCR=0xFFF7, DIER=1, CCMR1=0xF1F1, CCER=0x22, CNT=0xFFFF, PSC=0xFFFF, ARR=0xFFFF)
     #: Pins that can be channels 1 and 2.
     LINES = {"PA6": 1, "PB4": 1, "PC6": 1, "PA7": 2, "PB5": 2, "PC7": 2}
     #: By SMS: of which channels the edges count.
@@ -58,7 +58,7 @@ class Tim3(Timer):
         self["CR1"] = value
         if self.mode():
             self.due = NEVER
-            if value & 1 and (self["CCMR1"] != 0x0101 or self["PSC"]):
+            if value & 1 and (self["CCMR1"] & 0x0303 != 0x0101 or self["PSC"]):
                 self.breach("an encoder without its two inputs, or behind a prescaler")
         elif not value & 1:
             self.due = NEVER

@@ -294,7 +294,13 @@ pub fn run(step: Step, ready: &Ready) -> Result<Run> {
         Step::Board => {
             let mut command = pytest(&ready.python, FOLDERS[1]);
             command.arg("--image").arg(Image::Board.path());
+            command.arg("--servo-image").arg(Image::Odrive.path());
             command.arg("--plant").arg(place::kept("stepped_axis"));
+            let built = checks([Image::Odrive.build_command()?])?;
+            if built.failed > 0 {
+                return Ok(Run::Done(built));
+            }
+            Image::Odrive.keep()?;
             let builds = [Image::Board.build_command()?, programs::build_command()];
             return played(step, builds, command);
         }

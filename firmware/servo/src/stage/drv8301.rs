@@ -253,6 +253,11 @@ impl GateDriver {
         self.is_ready && self.unwell == 0 && self.fault.is_none()
     }
 
+    /// Whether it was set up, whatever has become of it since.
+    pub fn is_set_up(&self) -> bool {
+        self.is_ready || self.fault.is_some()
+    }
+
     /// What is wrong, as an error code of CiA 402. It stays until [`GateDriver::mend`].
     pub fn fault(&self) -> Option<u16> {
         self.fault
@@ -355,7 +360,12 @@ mod tests {
         let (mut driver, mut chip) = (GateDriver::new(SETTINGS), Chip::default());
         run(&mut driver, &mut chip, 40);
         chip.registers[0] = 0x404;
-        run(&mut driver, &mut chip, 8);
+        run(&mut driver, &mut chip, 2);
+        assert!(
+            !driver.is_ready() && driver.is_set_up(),
+            "why is not known yet"
+        );
+        run(&mut driver, &mut chip, 6);
         assert_eq!(driver.fault(), Some(0x2310));
         chip.registers[0] = 0;
         run(&mut driver, &mut chip, 40);

@@ -62,6 +62,7 @@ pub const DATA: ServoData = ServoData {
         current: COUNT / GAIN.factor() / SHUNT,
         middle: (MIDDLE, SPREAD),
         bus: COUNT * DIVIDER,
-        bears: (40.0, 2.0),
+        // More than the motor: its peak for ever.
+        bears: (12.0, 2.0),
     },
 };

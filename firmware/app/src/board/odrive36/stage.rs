@@ -88,7 +88,7 @@ impl ServoStage {
 
 impl Stage for ServoStage {
     fn supply(&self) -> bool {
-        self.is_fed && (self.driver.is_ready() || self.driver.fault().is_some())
+        self.is_fed && self.driver.is_set_up()
     }
 
     fn fault(&self) -> Option<u16> {

@@ -1,0 +1,102 @@
+"""A motor with three phases on the half bridges of a servo board, its bus, and its encoder: the equations of docs/servo.md, step by step between what the chip does."""
+
+import math
+
+from stm32f405 import HZ
+
+#: Clocks of a step at most: 12.5 µs.
+STEP = 2_100
+#: A turn of the lines of an encoder.
+LINES = ((0, 0), (1, 0), (1, 1), (0, 1))
+PHASES = [2 * math.pi * n / 3 for n in range(3)]
+
+
+class Motor:
+    """That of the board's data: `servo_100w` with an inertia behind it."""
+
+    resistance, inductance, flux, pole_pairs = 0.6, 0.8e-3, 13.33e-3, 4
+    inertia, friction, counts = 19.6e-6, 5e-3, 10_000
+    #: Volts of the bus, and amperes and volts of a count.
+    bus, ampere, volt = 48.0, 3.3 / 4096 / 80 / 500e-6, 3.3 / 4096 * 19
+
+    def __init__(self, chip, angle=1.0):
+        self.chip, self.time = chip, chip.time
+        #: Along the magnet and across it, the angle of the rotor and its velocity, and a torque that acts against positive motion.
+        self.d = self.q = self.velocity = self.load = 0.0
+        self.angle = angle
+        self.is_held = False
+        self.begin, self.count = self.encoder(), 0
+        self.duties, self.most, self.log = None, 0.0, []
+        levels = chip.adc.levels
+        levels.update({6: self.at(lambda: self.bus / self.volt), 10: self.at(lambda: self.sensed(1)), 11: self.at(lambda: self.sensed(2))})
+        chip.tim1.centre.on_change = self.changed
+        for pin in ("PB4", "PB5"):
+            chip.pins.drive(pin, 0)
+
+    def at(self, value):
+        def level(time):
+            self.advance(time)
+            return max(0, min(4095, round(value())))
+
+        return level
+
+    def changed(self):
+        self.advance(self.chip.now())
+        self.duties = self.chip.tim1.centre.duties()
+
+    def encoder(self):
+        return math.floor(self.angle * self.counts / (2 * math.pi))
+
+    def phase(self, n):
+        """The current into a phase."""
+        angle = self.angle * self.pole_pairs - PHASES[n]
+        return self.d * math.cos(angle) - self.q * math.sin(angle)
+
+    def sensed(self, n):
+        """What the converter has of it: amplifiers are a little off."""
+        return 2_048 + (9 if n == 1 else -14) + self.phase(n) / self.ampere
+
+    def torque(self):
+        return 1.5 * self.pole_pairs * self.flux * self.q
+
+    def advance(self, time):
+        while self.time < time:
+            clocks = min(STEP, time - self.time)
+            self.step(clocks / HZ)
+            self.time += clocks
+        self.turn_encoder()
+
+    def step(self, seconds):
+        electrical = self.angle * self.pole_pairs
+        if self.duties is None:
+            # The diodes take it down.
+            self.d = self.q = 0.0
+        else:
+            mean = sum(self.duties) / 3
+            volts = [(duty - mean) * self.bus for duty in self.duties]
+            d = 2 / 3 * sum(v * math.cos(electrical - phase) for v, phase in zip(volts, PHASES))
+            q = -2 / 3 * sum(v * math.sin(electrical - phase) for v, phase in zip(volts, PHASES))
+            speed = self.velocity * self.pole_pairs
+            back = speed * (self.inductance * self.d + self.flux)
+            rise_d = (d - self.resistance * self.d + speed * self.inductance * self.q) / self.inductance
+            rise_q = (q - self.resistance * self.q - back) / self.inductance
+            self.d += rise_d * seconds
+            self.q += rise_q * seconds
+        self.most = max(self.most, math.hypot(self.d, self.q))
+        if self.is_held:
+            self.velocity = 0.0
+            return
+        drive = self.torque() - self.load
+        change = drive * seconds / self.inertia
+        brakes = self.friction * seconds / self.inertia
+        velocity = self.velocity + change
+        self.velocity = math.copysign(max(0.0, abs(velocity) - brakes), velocity)
+        self.angle += self.velocity * seconds
+
+    def turn_encoder(self):
+        there = self.encoder() - self.begin
+        while self.count != there:
+            self.count += 1 if there > self.count else -1
+            for pin, level in zip(("PB4", "PB5"), LINES[self.count % 4]):
+                if self.chip.pins.level(pin) != level:
+                    self.chip.pins.drive(pin, level)
