@@ -24,11 +24,11 @@ pub struct Inputs {
     /// The power stage has its supply (statusword bit 4).
     pub supply: bool,
     /// Position in increments: pulses that really left, or the encoder. When the motor has power and stands, it has to be
-    /// where the pulses lead, up to `slack`; anything else is the fault 8611h.
+    /// where the pulses lead, up to `position_tolerance`; anything else is the fault 8611h.
     pub position: i64,
     /// How far an encoder may be from where the pulses lead while the motor is held, in increments: two and a half full steps of
     /// a stepper motor, which loses four at a time. 0 where pulses are counted: none may be missing.
-    pub slack: u32,
+    pub position_tolerance: u32,
     /// A fault the board has found, as a CiA 402 error code; it stands as long as it is reported.
     pub fault: Option<u16>,
     /// What the board warns of, as a CiA 402 error code (temperature, load): statusword bit 7 and an emergency message as long as

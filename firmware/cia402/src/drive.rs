@@ -304,7 +304,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         let is_displaced = is_held
             && stood
             && !self.motor.is_cut()
-            && self.motor.is_displaced(position, inputs.slack);
+            && self.motor.is_displaced(position, inputs.position_tolerance);
         // The pulses of the last tick may have been cut off before they left, though they are counted.
         let is_cut_off = inputs.fault == Some(EXTERNAL) && !stood;
         if is_displaced || is_cut_off {
@@ -398,7 +398,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
     /// Compares what the motor does with what it should.
     #[inline(never)]
     fn watch_motor(&mut self, tick: &Tick<'_>) {
-        let (demand, is_counted) = (self.motor.demand(), tick.inputs.slack == 0);
+        let (demand, is_counted) = (self.motor.demand(), tick.inputs.position_tolerance == 0);
         if !self.power.is_on() {
             if !tick.is_early {
                 self.monitor.reset(tick.now);

@@ -367,7 +367,7 @@ mod tests {
         fault: None,
         digital: crate::inputs::DigitalInputs::NONE,
         stall: None,
-        slack: 0,
+        position_tolerance: 0,
         supply_voltage: None,
         temperature: None,
         analogue: None,

@@ -175,9 +175,9 @@ impl<A: Actuator> Motor<A> {
         self.torque().is_some_and(|torque| torque.is_limited)
     }
 
-    /// Whether what is committed leads further than `slack` from this position.
-    pub(crate) fn is_displaced(&self, position: i64, slack: u32) -> bool {
-        self.actuator.committed_position().abs_diff(position) > slack.into()
+    /// Whether what is committed leads further than `position_tolerance` from this position.
+    pub(crate) fn is_displaced(&self, position: i64, position_tolerance: u32) -> bool {
+        self.actuator.committed_position().abs_diff(position) > position_tolerance.into()
     }
 
     /// Takes the directions that are barred from now on. Returns whether the motor is running into a limit switch, and has not

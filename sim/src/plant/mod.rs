@@ -343,11 +343,11 @@ impl Plant {
 
     /// How far the position may be from where the pulses lead while the motor is held, in pulses: an encoder shows the play of
     /// a real motor in its field.
-    pub fn slack(&self) -> u32 {
+    pub fn position_tolerance(&self) -> u32 {
         if let Some(servo) = &self.servo {
-            servo.slack()
+            servo.position_tolerance()
         } else if self.encoder && self.motor.is_some() {
-            Motor::slack(self.pulses_of_full_step())
+            Motor::position_tolerance(self.pulses_of_full_step())
         } else {
             0
         }

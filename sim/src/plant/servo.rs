@@ -261,8 +261,8 @@ impl ServoMotor {
     }
 
     /// How far the rotor may be from where it is held at rest, in counts.
-    pub fn slack(&self) -> u32 {
-        self.loops.slack()
+    pub fn position_tolerance(&self) -> u32 {
+        self.loops.position_tolerance()
     }
 
     /// The rotor stands against a limit of the torque.

@@ -350,7 +350,7 @@ fn any_inputs() -> Inputs {
             }),
         },
         stall: (any() == 0).then(|| any() == 0),
-        slack: any(),
+        position_tolerance: any(),
         supply_voltage: (any() == 0).then(any),
         temperature: (any() == 0).then(|| any() as i16),
         analogue: (any() == 0).then(|| any() as u16),

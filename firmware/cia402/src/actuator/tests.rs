@@ -181,7 +181,7 @@ impl Rig {
             let inputs = Inputs {
                 supply: true,
                 position: self.shaft,
-                slack: 10,
+                position_tolerance: 10,
                 ..Inputs::default()
             };
             let (shaft, exchange) = (&mut self.shaft, &mut self.exchange);

@@ -70,7 +70,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         if !self.power.is_on() {
             let release = u64::from(self.configuration.brake.release).saturating_mul(1_000);
             // A field that is led by the rotor draws it nowhere.
-            let is_drawn = inputs.slack != 0 && D::DRIVE.modes & TORQUE_MODES == 0;
+            let is_drawn = inputs.position_tolerance != 0 && D::DRIVE.modes & TORQUE_MODES == 0;
             let wait = if is_drawn {
                 release.saturating_add(CATCH)
             } else {

@@ -75,8 +75,8 @@ pub(super) struct Following {
     distance: i64,
     /// The last set-point as it was asked for, in increments.
     goal: i64,
-    /// How far the last set-point was from the one before it.
-    pace: i64,
+    /// How far the last set-point was from the one before it: their velocity, for a period.
+    velocity: i64,
     /// Set-points in a row that were there.
     fresh: u8,
     /// Set-points in a row that were not, and are bridged.
@@ -98,7 +98,7 @@ impl Following {
             at: 0,
             distance: 0,
             goal: 0,
-            pace: 0,
+            velocity: 0,
             fresh: 0,
             bridged: 0,
             is_catching_up: false,
@@ -180,20 +180,20 @@ impl Following {
             }
             return Outcome::Followed;
         };
-        let Some(need) = self.need(goal, context) else {
+        let Some(required) = self.required(goal, context) else {
             return Outcome::Lost;
         };
         let before = self.distance;
         let seconds = seconds(segment.interval);
         let most = distance_at(context.max_velocity(), seconds);
         let is_usual = segment.interval.abs_diff(slot.period) <= slot.period / 64;
-        let pace = if is_usual {
-            self.pace
+        let velocity = if is_usual {
+            self.velocity
         } else {
-            over(self.pace, slot.period, segment.interval)
+            over(self.velocity, slot.period, segment.interval)
         };
         let was_catching_up = self.is_catching_up;
-        self.distance = self.allowed(need, pace, most, seconds, context);
+        self.distance = self.allowed(required, velocity, most, seconds, context);
         self.is_limited |= goal != target;
         let knot = Knot {
             end,
@@ -289,15 +289,15 @@ impl Following {
 
     /// A set-point has come.
     fn head_for(&mut self, goal: i64) {
-        let pace = goal.wrapping_sub(self.goal).wrapping_shl(POINT);
-        self.pace = if self.fresh == 0 { 0 } else { pace };
+        let velocity = goal.wrapping_sub(self.goal).wrapping_shl(POINT);
+        self.velocity = if self.fresh == 0 { 0 } else { velocity };
         self.fresh = self.fresh.saturating_add(1);
         self.bridged = 0;
         self.goal = goal;
     }
 
     /// The distance that is asked for; `None` if too many set-points are missing.
-    fn need(&mut self, target: Option<i64>, context: &Context<'_, impl Parts>) -> Option<i64> {
+    fn required(&mut self, target: Option<i64>, context: &Context<'_, impl Parts>) -> Option<i64> {
         let lost = &context.configuration.cyclic.lost;
         if let Some(goal) = target {
             self.head_for(goal);
@@ -310,42 +310,42 @@ impl Following {
                 self.goal = self.at.wrapping_add(self.distance) >> POINT;
                 return Some(self.distance);
             }
-            self.goal = self.goal.wrapping_add(self.pace >> POINT);
+            self.goal = self.goal.wrapping_add(self.velocity >> POINT);
         } else {
             self.fresh = 0;
-            self.pace = 0;
+            self.velocity = 0;
         }
         Some(self.goal.wrapping_shl(POINT).wrapping_sub(self.at))
     }
 
-    /// The distance within all limits. Set-points are `pace` apart, and `most` is the longest distance allowed.
+    /// The distance within all limits. Set-points move at `velocity`, and `most` is the longest distance allowed.
     #[inline(never)]
     fn allowed(
         &mut self,
-        need: i64,
-        pace: i64,
+        required: i64,
+        velocity: i64,
         most: i64,
         seconds: u64,
         context: &Context<'_, impl Parts>,
     ) -> i64 {
-        let asked = need;
+        let asked = required;
         let has_ends = context.travel.increments != Travel::NONE.increments;
-        let need = if has_ends {
-            within_travel(self.at, need, *context.travel)
+        let required = if has_ends {
+            within_travel(self.at, required, *context.travel)
         } else {
-            need
+            required
         };
-        let need = Self::outside_limit_switches(need, context);
+        let required = Self::outside_limit_switches(required, context);
         // A set-point beyond a limit stands still there.
-        let pace = if need == asked { pace } else { 0 };
+        let velocity = if required == asked { velocity } else { 0 };
         let is_within_ramps = if self.is_catching_up {
             let (up, down) = ramps(seconds, context);
-            let change = need.saturating_sub(self.distance);
+            let change = required.saturating_sub(self.distance);
             // Both this change and the one to the velocity of the set-points, behind it. Those are whole increments.
             change.saturating_abs() <= up.max(down).max(1 << POINT)
-                && need.saturating_sub(pace).saturating_abs() <= down.max(1 << POINT)
+                && required.saturating_sub(velocity).saturating_abs() <= down.max(1 << POINT)
         } else {
-            let at = whole(self.at.saturating_add(need));
+            let at = whole(self.at.saturating_add(required));
             // A steady motion keeps to limits of any size.
             let least = Most::rounding(self.rounding);
             self.set_points.may_be_followed_by(at, least) || {
@@ -357,11 +357,11 @@ impl Following {
                 self.set_points.may_be_followed_by(at, most)
             }
         };
-        let is_in_reach = need.saturating_abs() <= most && is_within_ramps;
+        let is_in_reach = required.saturating_abs() <= most && is_within_ramps;
         let distance = if is_in_reach {
-            need
+            required
         } else {
-            self.catch_up(need, pace, most, ramps(seconds, context))
+            self.catch_up(required, velocity, most, ramps(seconds, context))
         };
         let distance = if has_ends {
             self.before_limit(distance, seconds, context)
@@ -376,15 +376,15 @@ impl Following {
     }
 
     /// The distance in this period on a ramp that ends with the set-points, at their velocity.
-    fn catch_up(&self, need: i64, pace: i64, most: i64, (up, down): (i64, i64)) -> i64 {
-        let behind = need.saturating_sub(pace);
+    fn catch_up(&self, required: i64, velocity: i64, most: i64, (up, down): (i64, i64)) -> i64 {
+        let behind = required.saturating_sub(velocity);
         let gained = braking_distance(behind.saturating_abs(), down).min(behind.saturating_abs());
         let gained = if behind < 0 {
             gained.wrapping_neg()
         } else {
             gained
         };
-        let wanted = pace
+        let wanted = velocity
             .saturating_add(gained)
             .max(most.wrapping_neg())
             .min(most);
@@ -484,11 +484,11 @@ fn rounding(context: &Context<'_, impl Parts>) -> i64 {
 }
 
 /// The distance that stays within the software limits, or leads back to them.
-fn within_travel(at: i64, need: i64, travel: Travel) -> i64 {
+fn within_travel(at: i64, required: i64, travel: Travel) -> i64 {
     let (low, high) = travel.increments;
     let low = fine_distance(low).min(at);
     let high = fine_distance(high).max(at);
-    at.saturating_add(need)
+    at.saturating_add(required)
         .max(low)
         .min(high)
         .saturating_sub(at)

@@ -247,7 +247,7 @@ impl ProfilePosition {
         let before = (self.current).filter(|_| is_under_way || self.progress == Progress::Passed);
         let mut current = before;
         if let Some(current) = &mut current {
-            current.pace(context);
+            current.limit_profile(context);
             if is_under_way && is_cut_anew {
                 let target = current.target;
                 self.aim(current, context, false);
@@ -259,7 +259,7 @@ impl ProfilePosition {
             current.end_within(*context.travel, self.direction, context.motor.window());
         }
         if let Some(mut next) = self.next {
-            next.pace(context);
+            next.limit_profile(context);
             if is_cut_anew {
                 self.aim(&mut next, context, true);
             }

@@ -94,7 +94,7 @@ impl Current {
             millivolts: (self.loops.bus(counts) * 1e3) as u32,
             is_stalled: self.loops.is_stalled(),
             is_hot: self.loops.is_hot(),
-            slack: self.loops.slack(),
+            position_tolerance: self.loops.position_tolerance(),
         };
         self.link.tell(told, self.loops.lead());
     }

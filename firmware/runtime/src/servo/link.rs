@@ -45,7 +45,7 @@ pub struct Told {
     /// The heat has come near its bound.
     pub is_hot: bool,
     /// How far the rotor may be from where it is held at rest, in counts.
-    pub slack: u32,
+    pub position_tolerance: u32,
 }
 
 /// See the module.
@@ -78,7 +78,7 @@ impl Link {
                 millivolts: 0,
                 is_stalled: false,
                 is_hot: false,
-                slack: i32::MAX.unsigned_abs(),
+                position_tolerance: i32::MAX.unsigned_abs(),
             }),
             found: Mutex::new(Found::NONE),
             lead: AtomicU16::new(0),

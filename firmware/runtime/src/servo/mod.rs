@@ -287,7 +287,7 @@ impl Loops {
 
     /// How far the rotor may be from where it is held at rest, in counts: a stepper that is only supervised has no more than its field, and loses
     /// four full steps at a time. Of anything else its following error tells.
-    pub fn slack(&self) -> u32 {
+    pub fn position_tolerance(&self) -> u32 {
         let four_steps = self.motor.counts / u32::from(self.motor.pole_pairs);
         match self.settings.stepper.way {
             1 => four_steps * 5 / 8,

@@ -209,7 +209,7 @@ impl Motor {
 
     /// How far an encoder may be from where the pulses lead while the motor is held, in pulses. It is caught up to half an
     /// electrical turn from where it stood when the power came, and its load draws it up to half a full step from there.
-    pub(super) fn slack(microsteps: u16) -> u32 {
+    pub(super) fn position_tolerance(microsteps: u16) -> u32 {
         u32::from(microsteps) * 5 / 2
     }
 

@@ -106,7 +106,7 @@ impl Stage for ServoStage {
         inputs.supply_voltage = Some(told.millivolts);
         inputs.warning = told.is_hot.then_some(HEAT);
         inputs.stall = Some(told.is_stalled);
-        inputs.slack = told.slack;
+        inputs.position_tolerance = told.position_tolerance;
         // Before the first reading there is no current.
         let hot = temperature.unwrap_or(0);
         let fault = self.driver.fault();

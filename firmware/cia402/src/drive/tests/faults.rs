@@ -233,7 +233,7 @@ fn m13_the_supply_lost_in_operation_is_a_fault() {
 #[test]
 fn an_encoder_may_show_the_play_of_the_motor_but_no_lost_step() {
     let mut rig = Rig::enabled();
-    rig.slack = 33;
+    rig.position_tolerance = 33;
     rig.set_point(1_000, 0);
     assert_eq!(rig.rest(), 1_000);
     for play in [-33, 66, -33] {

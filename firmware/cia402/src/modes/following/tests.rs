@@ -93,12 +93,12 @@ proptest! {
     #[test]
     fn m44_a_way_never_leads_out_of_the_travel(
         at in -1_000_i64..1_000,
-        need in -5_000_i64..5_000,
+        required in -5_000_i64..5_000,
         ends in (-500_i64..0, 0_i64..500),
     ) {
         let travel = Travel { user: ends, increments: ends };
         let at = at << POINT;
-        let end = at + within_travel(at, need << POINT, travel);
+        let end = at + within_travel(at, required << POINT, travel);
         let (low, high) = (ends.0 << POINT, ends.1 << POINT);
         prop_assert!(end >= low.min(at) && end <= high.max(at));
     }

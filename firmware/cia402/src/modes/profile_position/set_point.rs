@@ -84,7 +84,7 @@ impl SetPoint {
 
     /// Cuts velocities and ramps to 607Fh, 6080h, 60C5h, 60C6h and what the pulses can reach, and 6082h to 6081h.
     #[inline(never)]
-    pub(super) fn pace(&mut self, context: &Context<'_, impl Parts>) {
+    pub(super) fn limit_profile(&mut self, context: &Context<'_, impl Parts>) {
         (self.limits, self.limited.profile) = context.within(self.asked);
         if context.habits().start_speed {
             self.end_velocity = Speed::ZERO;

@@ -56,7 +56,7 @@ impl ProfilePosition {
             (here, self.wanted(given, context, waits, here)),
             context.configuration.profile.ramps,
         );
-        set_point.pace(context);
+        set_point.limit_profile(context);
         self.aim(&mut set_point, context, waits);
         set_point
     }

@@ -178,7 +178,7 @@ fn d22_the_window_time_counts_from_the_set_point() {
 fn m34_switched_off_and_on_the_window_time_starts_anew() {
     let mut rig = Rig::enabled();
     rig.configuration.position_window_time = 100;
-    rig.slack = 100;
+    rig.position_tolerance = 100;
     rig.post();
     rig.ticks(110);
     assert!(rig.reached());
@@ -198,7 +198,7 @@ fn m34_switched_off_and_on_the_window_time_starts_anew() {
 fn m34_the_window_is_looked_at_during_halt() {
     let mut rig = Rig::enabled();
     rig.configuration.position_window_time = 100;
-    rig.slack = 100;
+    rig.position_tolerance = 100;
     rig.post();
     rig.ticks(110);
     assert!(rig.reached());
