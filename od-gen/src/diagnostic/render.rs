@@ -3,6 +3,7 @@
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 
 use super::{Diagnostic, Severity};
+use crate::rules::Class;
 use crate::source::{Source, Span};
 
 /// Whether to use colours; only a terminal shows them.
@@ -43,7 +44,14 @@ pub(crate) fn render_some(
             .line_start(usize::try_from(span.line).unwrap_or(1))
             .annotation(kind.span(range).label(label))
     };
-    let first = snippet(finding.span, AnnotationKind::Primary, None);
+    // What breaks the standard needs no word.
+    let class = match finding.rule.class {
+        Class::Standard => None,
+        Class::Masters => Some("masters expect it otherwise"),
+        Class::Firmware => Some("a limit of this firmware"),
+        Class::Advice => Some("advice"),
+    };
+    let first = snippet(finding.span, AnnotationKind::Primary, class);
     let mut group = level
         .primary_title(&finding.message)
         .id(finding.rule.name)
