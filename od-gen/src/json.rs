@@ -67,7 +67,7 @@ fn entry(entry: &Entry) -> Value {
 fn limit(limit: Limit) -> Value {
     match limit {
         Limit::Integer(value) => integer(value),
-        Limit::NodeId(_) => limit.to_string().into(),
+        Limit::NodeId(_) => value::limit(limit, DataType::Unsigned32).into(),
         Limit::Real(value) => value.into(),
     }
 }

@@ -34,7 +34,7 @@ pub(crate) fn value(value: &DefaultValue, data_type: DataType) -> String {
 }
 
 /// LowLimit or HighLimit.
-pub(super) fn limit(limit: Limit, data_type: DataType) -> String {
+pub(crate) fn limit(limit: Limit, data_type: DataType) -> String {
     match limit {
         Limit::Integer(value) => number(value, data_type),
         Limit::NodeId(number) => value(

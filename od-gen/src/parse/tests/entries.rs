@@ -218,6 +218,7 @@ fn limits_may_have_the_node_id_in_them() {
     // It is written again as it was, and what is above another in every node is told.
     let printed = crate::print(&report.model);
     assert!(printed.contains("LowLimit=$NODEID\nHighLimit=$NODEID+0x180\n"));
+    assert!(crate::json(&report.model).contains("\"low_limit\": \"$NODEID\""));
     let turned = text.replacen("LowLimit=$NODEID", "LowLimit=$NODEID+0x200", 1);
     let turned = said(&Report::new("small.eds", &turned));
     let above = "LowLimit $NODEID+0x200 (200h + node-ID) is above HighLimit";
