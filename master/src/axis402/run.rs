@@ -103,8 +103,8 @@ pub fn go_on_bus(arguments: &Bus) -> Result<Master<Real>, Problem> {
     Ok(master)
 }
 
-/// Lets a signal end the program. Whoever listens to the bus hears it and puts devices right first. Whoever waits for a file, such as a
-/// pipe that nobody writes to, does not: a second signal ends the program at once, and so does a time in which any answer would be there.
+/// Lets a signal end the program. Whoever listens to the bus hears it and puts devices right first. Whoever waits for what
+/// is piped in does not: a second signal ends the program at once, and so does a time in which any answer would be there.
 fn stop_by_signal(stopper: SyncSender<Incoming>, timeout: u64) {
     const GRACE: std::time::Duration = std::time::Duration::from_secs(2);
     let end = || std::process::exit(Problem::Stopped.code().into());
