@@ -255,6 +255,7 @@ impl<D: Dictionary + Objects + Default, A: Moving> VirtualDrive<D, A> {
             exchange: &mut self.exchange,
             control: &mut self.control,
             plant: &mut self.plant,
+            lost: self.received.lost,
             events: &mut self.events,
             has_stopped: false,
         };

@@ -135,7 +135,10 @@ macro_rules! app {
                 #[task(binds = $can_interrupt, priority = 5, shared = [bus, reception])]
                 fn $can(mut cx: $can::Context) {
                     let reception = cx.shared.reception;
-                    cx.shared.bus.lock(|bus| reception.on_interrupt(bus));
+                    if cx.shared.bus.lock(|bus| reception.on_interrupt(bus)) {
+                        // A command may have been among what was lost.
+                        stop::spawn().ok();
+                    }
                     // An error says that the task is on its way already.
                     node::spawn().ok();
                 }

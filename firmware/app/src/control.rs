@@ -88,10 +88,11 @@ impl Control {
         self.control.tick(lost, alive, &mut self.stage, exchange)
     }
 
-    /// A tick of its own for a command to stop or a stage that has failed, unless a regular one was first.
+    /// A tick of its own for a command to stop, a stage that has failed or frames that are lost, unless a regular one was first.
     pub fn stop(&mut self, mut exchange: impl Mutex<T = Exchange>) {
         let exchange = &mut Locked(&mut exchange);
-        self.control.stop(&mut self.stage, exchange);
+        self.control
+            .stop(self.lost.count(), &mut self.stage, exchange);
     }
 }
 

@@ -62,11 +62,13 @@ pub struct Reception {
 }
 
 impl Reception {
-    /// Frames have arrived or were sent, or the controller has seen errors.
+    /// Frames have arrived or were sent, or the controller has seen errors. Returns whether some were lost.
     // Out of line: several interrupts call it.
     #[inline(never)]
-    pub fn on_interrupt(&mut self, bus: &mut CanBus) {
+    pub fn on_interrupt(&mut self, bus: &mut CanBus) -> bool {
+        let before = self.inbox.lost();
         self.receiver.on_interrupt(bus, &mut self.inbox);
+        self.inbox.lost() != before
     }
 }
 

@@ -181,7 +181,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
     }
 
     /// A tick as soon as a command to stop has come ([`Exchange::calls_early`]): halt, quick stop, disable operation or voltage, a network
-    /// that is lost; or as soon as the host sees that its stage has failed. It would wait for up to a period; the regular ticks come behind it
+    /// that is lost; or as soon as the host sees that its stage has failed, or frames are lost. It would wait for up to a period; the regular ticks come behind it
     /// as they would have come. `now` and `inputs` are as for [`Drive::tick`], but the digital inputs are not looked at: their edges are for the regular tick.
     ///
     /// It does what concerns the command and the motor. Everything that goes by the regular ticks is left to these: switches and their

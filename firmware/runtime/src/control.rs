@@ -112,15 +112,9 @@ impl<D: Objects, M: Deref<Target = Memory>, A: Actuator> Control<D, M, A> {
     where
         A: AtPort<S::Pulses>,
     {
-        let overrun = lost != self.lost;
+        let overrun = self.has_overrun(lost);
         self.lost = lost;
-        let harmless = !self.powered
-            && !matches!(
-                self.drive.state(),
-                State::Fault | State::FaultReactionActive
-            );
-
-        let now = self.look(overrun && !harmless, stage);
+        let now = self.look(overrun, stage);
         self.watch_node(now, alive);
         stage.measure(&mut self.inputs);
         let outputs = self.drive.tick(now, &self.inputs, stage.pulses(), exchange);
@@ -133,9 +127,14 @@ impl<D: Objects, M: Deref<Target = Memory>, A: Actuator> Control<D, M, A> {
         (now, outputs.next_tick)
     }
 
-    /// A tick of its own for a command to stop, unless a regular one was first, or for a stage that has lost its supply or has a fault since the last
-    /// one, while the motor has current. Returns whether there was one.
-    pub fn stop<S: PowerStage>(&mut self, stage: &mut S, exchange: &mut impl Share) -> bool
+    /// A tick of its own for a command to stop, unless a regular one was first, or while the motor has current for what is a fault since the last
+    /// one: of the stage, its supply, frames that were lost (`lost` as for [`Control::tick`]). Returns whether there was one.
+    pub fn stop<S: PowerStage>(
+        &mut self,
+        lost: u32,
+        stage: &mut S,
+        exchange: &mut impl Share,
+    ) -> bool
     where
         A: AtPort<S::Pulses>,
     {
@@ -144,11 +143,12 @@ impl<D: Objects, M: Deref<Target = Memory>, A: Actuator> Control<D, M, A> {
             return false;
         }
         let was_well = self.is_well();
-        let now = self.look(false, stage);
+        let now = self.look(self.has_overrun(lost), stage);
         let has_failed = was_well && !self.is_well();
         if !calls && !has_failed {
             return false;
         }
+        self.lost = lost;
         let outputs = self
             .drive
             .early_tick(now, &self.inputs, stage.pulses(), exchange);
@@ -171,6 +171,16 @@ impl<D: Objects, M: Deref<Target = Memory>, A: Actuator> Control<D, M, A> {
         let fault = &mut self.inputs.fault;
         *fault = fault.or(overrun.then_some(CAN_OVERRUN));
         now
+    }
+
+    /// Whether frames were lost since the last tick, and that is more than a message.
+    fn has_overrun(&self, lost: u32) -> bool {
+        let harmless = !self.powered
+            && !matches!(
+                self.drive.state(),
+                State::Fault | State::FaultReactionActive
+            );
+        lost != self.lost && !harmless
     }
 
     /// The stage was so when it was looked at.

@@ -58,6 +58,11 @@ impl Inbox {
         }
     }
 
+    /// How many were lost since power-on; it wraps.
+    pub fn lost(&self) -> u32 {
+        self.lost.count()
+    }
+
     /// Counts a frame that was lost before it came here.
     pub fn count_lost(&mut self) {
         self.lost.0.fetch_add(1, Ordering::Relaxed);

@@ -182,6 +182,8 @@ pub(super) struct Tasks<'a, D, A> {
     pub(super) exchange: &'a mut Exchange,
     pub(super) control: &'a mut Control<D, Arc<Memory>, A>,
     pub(super) plant: &'a mut Plant,
+    /// How many frames were lost.
+    pub(super) lost: u32,
     pub(super) events: &'a mut VecDeque<Event>,
     /// A tick was made for a command to stop.
     pub(super) has_stopped: bool,
@@ -199,7 +201,7 @@ impl<D: Objects, A: Moving> Host for Tasks<'_, D, A> {
     }
 
     fn stop(&mut self) {
-        self.has_stopped |= self.control.stop(self.plant, self.exchange);
+        self.has_stopped |= self.control.stop(self.lost, self.plant, self.exchange);
     }
 
     fn tell(&mut self, event: &Event) {

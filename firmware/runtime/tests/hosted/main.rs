@@ -191,23 +191,30 @@ fn a_node_that_hangs_is_a_fault_while_the_motor_has_current() {
 
 #[test]
 fn a_stage_that_fails_between_two_ticks_has_one_of_its_own() {
-    for fails in [
-        |stage: &mut Stage| stage.has_no_supply = true,
-        |stage: &mut Stage| stage.fault = Some(0x5400),
+    for (code, fails) in [
+        (
+            0x3220,
+            (|rig| rig.stage.has_no_supply = true) as fn(&mut Rig),
+        ),
+        (0x5400, |rig| rig.stage.fault = Some(0x5400)),
+        (0x8110, |rig| rig.bus.lost += 1),
     ] {
         let mut rig = Rig::at(BitTiming::Fixed(BitRate::Kbit500));
         rig.ticks(3);
         // Nothing to save without current.
-        fails(&mut rig.stage);
+        fails(&mut rig);
         assert!(!rig.stop());
         (rig.stage.has_no_supply, rig.stage.fault) = (false, None);
         rig.ticks(3);
         rig.enable();
         assert!(!rig.stop());
-        fails(&mut rig.stage);
+        fails(&mut rig);
         assert!(rig.stop());
-        assert!(!rig.stage.powered);
+        // Frames that are lost are a fault with a ramp.
+        assert!(!rig.stage.powered || code == 0x8110);
         assert!(!rig.stop());
+        let actuals = rig.around.exchange.actuals_at(canopen::time::NEVER);
+        assert_eq!(actuals.error_code, code);
     }
 }
 

@@ -333,7 +333,7 @@ impl Rig {
     /// What the host does between two ticks; whether there was something to do.
     pub fn stop(&mut self) -> bool {
         self.control
-            .stop(&mut self.stage, &mut self.around.exchange)
+            .stop(self.bus.lost, &mut self.stage, &mut self.around.exchange)
     }
 
     /// A request of LSS.

@@ -66,7 +66,7 @@ impl Hosted {
                 let (now, next) = control.tick(any(), any() == 0, &mut AnyStage(Sink), around);
                 look(now.ticks() as u32 + next.map_or(0, |next| next.ticks() as u32));
             }
-            5 => look(control.stop(&mut AnyStage(Sink), around).into()),
+            5 => look(control.stop(any(), &mut AnyStage(Sink), around).into()),
             _ => control.refill(&mut AnyStage(Sink)),
         }
     }
