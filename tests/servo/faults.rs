@@ -1,6 +1,7 @@
 //! What ends operation of a drive whose motor is moved by its current, and the error codes.
 
 use servo_plant::Short;
+use sim::plant::ServoAxisData;
 use tests::drive::{FAULT, INTERNAL_LIMIT, OPERATION_ENABLED, ServoBench};
 
 use super::{enable, enabled, hold, torque};
@@ -237,4 +238,65 @@ fn m45_the_stage_has_a_heat_of_its_own() {
     assert!((torque(&mut drive) - 2_000).abs() <= 10);
     // Then the stage takes back what was asked for, and the rotor that is held is blocked at a limit.
     fails(&mut drive, 300, &[0x7121]);
+}
+
+#[test]
+fn m45_a_current_of_two_phases_that_stands_still_is_a_fault_before_much_flows() {
+    for (name, peak) in [("nema17", 2.4), ("nema23", 6.0)] {
+        for (mode, target) in [(4, 0_i32), (4, 300), (3, 4_096), (3, 40_000)] {
+            for says in [0.0, 0.4, 1.5] {
+                let mut drive = enabled(name, mode);
+                if mode == 4 {
+                    hold(&mut drive);
+                    drive.write_i16(0x6071, 0, target as i16);
+                } else {
+                    drive.write_i32(0x60FF, 0, target);
+                }
+                drive.run_millis(500);
+                drive.plant().sensor_faults.stuck_current = Some((1, says));
+                let mut most = 0.0_f64;
+                for _ in 0..400 {
+                    drive.run_micros(250);
+                    most = most.max(drive.plant().phase_currents()[1].abs());
+                }
+                let what = format!("{name}, {target} in mode {mode}, says {says}");
+                assert!(most < 3.0 * peak, "{what}: {most} A");
+                let code = drive.read_u16(0x603F, 0);
+                // A sensor that says nothing is a phase that carries nothing, as soon as it is to carry something.
+                let expected = match (says == 0.0, target) {
+                    (true, 0) => 0,
+                    (true, _) => 0x7122,
+                    _ => 0x7300,
+                };
+                assert_eq!(code, expected, "{what}: {code:04X}h");
+            }
+        }
+    }
+}
+
+#[test]
+fn m45_data_of_another_motor_are_a_fault_where_the_model_ends() {
+    for (name, share) in [("nema17", 5.0), ("servo_100w", 5.0), ("servo_400w", 10.0)] {
+        let mut drive = ServoBench::on_axis(name);
+        let data = ServoAxisData::named(name).expect("ready").motor();
+        for (sub, own) in [(2, data.inductance_d), (3, data.inductance_q)] {
+            drive.write_u32(0x20C2, sub, (f64::from(own) * 1e9 * share) as u32);
+        }
+        drive.run_millis(10);
+        drive.write_u8(0x6060, 0, 3);
+        let counts = drive.read_u32(0x608F, 1) as i32;
+        drive.write_i32(0x60FF, 0, 10 * counts);
+        for word in [0x06, 0x07, 0x0F] {
+            drive.command(word);
+            drive.run_millis(10);
+        }
+        fails(&mut drive, 200, &[0x7305, 0x7122]);
+        // With its own it goes on.
+        drive.write_u32(0x20C2, 2, 0);
+        drive.write_u32(0x20C2, 3, 0);
+        drive.command(0x80);
+        drive.run_millis(20);
+        drive.enable();
+        drive.stays_in(OPERATION_ENABLED, 300);
+    }
 }

@@ -9,6 +9,7 @@
 //! What may be asked of the motor is the least of what is ordered, of the heat ([`Thermal`], [`Derating`]) and of the bus ([`Bus`]). What cannot go on is a [`Fault`]: the
 //! gates are to be off from then on, until [`Control::start`].
 
+mod field;
 mod order;
 mod watch;
 
@@ -20,10 +21,10 @@ use crate::interrupt::CurrentInterrupt;
 use crate::motor::Implausible;
 use crate::number::{between, fade, limit, root};
 use crate::protection::{Bus, Derating, Thermal};
-use crate::stepper::{self, Stepper, StepperConfig, StepperDemand};
+use crate::stepper::{Stepper, StepperConfig};
 use crate::transform::Rotor;
 use crate::tuning::Chirp;
-use crate::{Cascade, Motor};
+use crate::{Angle, Cascade, Motor};
 pub use order::{Goal, Order, Report, Seen};
 use watch::Watch;
 
@@ -42,11 +43,11 @@ pub enum Fault {
     Temperature,
     /// The rotor does not turn though much is asked of it.
     Blocked,
-    /// The encoder is not where the magnet is, or has lost counts.
+    /// The encoder is not where the magnet is, or has lost counts; or the data of the motor are far from it: both show as a voltage that the model does not know.
     Encoder,
     /// A phase carries nothing.
     PhaseLost,
-    /// The currents of the phases do not add up to nothing: a sensor of them is wrong, or a current leaks.
+    /// The currents of the phases do not add up to nothing, or one of them stands still whatever is done: a sensor of them is wrong, or a current leaks.
     CurrentSensor,
     /// Faster than the motor may turn.
     OverSpeed,
@@ -95,9 +96,6 @@ pub struct ControlConfig {
 /// What is told of the current fades in this time, in s.
 const SHOWN: f32 = 2e-3;
 
-/// The share of the bus that the magnet, and what lies along it, may drive.
-const FOR_MAGNET: f32 = 0.75;
-
 /// What holds the motor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Holder {
@@ -129,6 +127,8 @@ pub struct Control {
     beyond: f32,
     /// What was wanted of the current last, in A.
     wanted: f32,
+    /// Where the rotor was then, and how fast the field of a stepper is to turn, in electrical rad/s.
+    field: Option<(Angle, f32)>,
     holder: Holder,
     is_limited: bool,
     /// The current without the noise of its samples, for who is told of it.
@@ -165,6 +165,7 @@ impl Control {
             since: 0.0,
             beyond: 0.0,
             wanted: 0.0,
+            field: None,
             holder: Holder::Current,
             is_limited: false,
             shown: Rotor::ZERO,
@@ -177,6 +178,7 @@ impl Control {
         self.order = None;
         self.chirp = None;
         self.wanted = 0.0;
+        self.field = None;
         self.holder = Holder::Current;
         self.is_limited = false;
         self.watch.start();
@@ -313,6 +315,7 @@ impl Control {
         }
         self.since += self.config.period;
         let mut along = 0.0;
+        self.field = None;
         let wanted = match holder {
             Holder::Field => {
                 let field = self.lead(&demand, interrupt, is_new, limits, seen.bus);
@@ -339,43 +342,10 @@ impl Control {
         })
     }
 
-    /// The current of a field that leads the rotor.
-    fn lead(
-        &mut self,
-        demand: &Demand,
-        interrupt: &CurrentInterrupt,
-        is_new: bool,
-        limits: Limits,
-        bus: f32,
-    ) -> Rotor {
-        let Some(stepper) = &mut self.stepper else {
-            return Rotor::ZERO;
-        };
-        let position = demand.position.unwrap_or_default();
-        let part = (demand.part * 65_536.0) as i64;
-        let demand = StepperDemand {
-            position: position.saturating_mul(1 << 16).saturating_add(part),
-            speed: demand.velocity * f32::from(self.motor.pole_pairs),
-            is_at_rest: demand.velocity == 0.0 && demand.acceleration == 0.0,
-        };
-        let rotor = stepper::Rotor {
-            position: interrupt.encoder.position(),
-            angle: interrupt.encoder.angle(),
-            speed: interrupt.observer.speed(),
-        };
-        if is_new {
-            stepper.take_over(self.wanted, &demand, &rotor);
-        }
-        let most = limits.positive.max(limits.negative);
-        let field = stepper.run(&demand, &rotor, most);
-        let asked = field.seen_from(interrupt.observer.angle());
-        let q = between(asked.q, -limits.negative, limits.positive);
-        self.is_limited = stepper.is_held_back() || q != asked.q;
-        // What lies along the magnet gives way where the bus has not the voltage for it: it holds at rest, and gives no torque.
-        let room = FOR_MAGNET * bus / rotor.speed.abs().max(1.0) - self.motor.flux;
-        let most = between(room / self.motor.inductance_d, 0.0, 1e4);
-        let d = between(asked.d, -most, most);
-        Rotor { d, q }
+    /// Whether the current of the last period is a field that turns by itself, for [`CurrentInterrupt::order_field`]: from where it was seen, and its
+    /// speed in electrical rad/s.
+    pub fn field(&self) -> Option<(Angle, f32)> {
+        self.field
     }
 
     /// What there is to tell.

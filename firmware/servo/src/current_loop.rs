@@ -275,6 +275,12 @@ impl CurrentLoop {
         self.config.share / self.config.period
     }
 
+    /// By how much a speed in electrical rad/s turns in a period.
+    pub fn turned_in_period(&self, speed: f32) -> Angle {
+        let turned = limit(speed, FASTEST) * self.quarter * 4.0 * BITS_OF_RADIAN;
+        Angle::from_bits((turned as i32).cast_unsigned())
+    }
+
     /// The voltage that acts, in V.
     pub fn voltage(&self) -> Rotor {
         self.voltage

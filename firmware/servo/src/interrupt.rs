@@ -1,7 +1,8 @@
 //! The current interrupt as a whole: what the converter and the timers say goes in, pulse widths come out.
 //!
 //! It is called in the middle of the pulses, above everything but a fault. What it shares with the control is one order: a current, and in how many
-//! periods it is to be reached, evenly; so a control of a lower rate makes no steps of torque.
+//! periods it is to be reached, evenly; so a control of a lower rate makes no steps of torque. Or a field that turns beside the stator: a rotor that swings in
+//! it is pulled back at once, and not when the control comes by.
 
 use crate::current_loop::{Sample, Trip};
 use crate::feedback::{Incremental, Observer};
@@ -38,6 +39,8 @@ pub struct CurrentInterrupt {
     demand: Rotor,
     step: Rotor,
     left: u16,
+    /// From where the demand was seen, and by how much that turns in a period.
+    field: Option<(Angle, Angle)>,
 }
 
 impl CurrentInterrupt {
@@ -61,6 +64,7 @@ impl CurrentInterrupt {
             demand: Rotor::ZERO,
             step: Rotor::ZERO,
             left: 0,
+            field: None,
         };
         let is_one = is_within(bus, 1e-5, 10.0);
         is_one.then_some(interrupt).ok_or(Implausible)
@@ -68,6 +72,7 @@ impl CurrentInterrupt {
 
     /// Orders a current in A, reached evenly in so many periods.
     pub fn order(&mut self, demand: Rotor, periods: u16) {
+        self.field = None;
         if periods == 0 {
             (self.demand, self.left) = (demand, 0);
             return;
@@ -78,6 +83,12 @@ impl CurrentInterrupt {
             q: (demand.q - self.demand.q) * share,
         };
         self.left = periods;
+    }
+
+    /// Orders a current in A as it is seen from a rotor at this angle; it goes on beside the stator with a speed in electrical rad/s.
+    pub fn order_field(&mut self, demand: Rotor, from: Angle, speed: f32) {
+        self.order(demand, 0);
+        self.field = Some((from, self.current.turned_in_period(speed)));
     }
 
     /// A period: gives the pulse widths, as [`CurrentLoop::run`].
@@ -98,7 +109,14 @@ impl CurrentInterrupt {
             angle: self.observer.angle(),
             speed: self.observer.speed(),
         };
-        self.current.run(&sample, self.demand)
+        let demand = match &mut self.field {
+            Some((from, turned)) => {
+                *from = from.plus(*turned);
+                self.demand.turned(from.minus(sample.angle).sine_cosine())
+            }
+            None => self.demand,
+        };
+        self.current.run(&sample, demand)
     }
 
     /// A period in which the field stands at an angle with a current along it, in A, wherever the rotor is. Encoder and observer are left alone.
@@ -157,6 +175,25 @@ mod tests {
         interrupt.order(Rotor::ZERO, 0);
         interrupt.run(&AT_REST).unwrap();
         assert_eq!(interrupt.current.demand(), Rotor::ZERO);
+    }
+
+    #[test]
+    fn a_field_goes_on_beside_the_stator() {
+        let mut interrupt = interrupt();
+        let from = interrupt.observer.angle();
+        // A quarter of a turn in 100 periods of 50 µs, within what a count is.
+        interrupt.order_field(Rotor { d: 1.0, q: 0.0 }, from, 314.16);
+        for _ in 0..100 {
+            interrupt.run(&AT_REST).unwrap();
+        }
+        let demand = interrupt.current.demand();
+        assert!(
+            (demand.q - 1.0).abs() < 5e-3 && demand.d.abs() < 5e-3,
+            "{demand:?}"
+        );
+        interrupt.order(Rotor { d: 0.0, q: 1.0 }, 0);
+        interrupt.run(&AT_REST).unwrap();
+        assert_eq!(interrupt.current.demand(), Rotor { d: 0.0, q: 1.0 });
     }
 
     #[test]

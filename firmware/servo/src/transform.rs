@@ -75,6 +75,13 @@ impl Rotor {
         }
     }
 
+    /// Turned by an angle with this sine and cosine.
+    #[inline]
+    pub fn turned(self, sine_cosine: (f32, f32)) -> Self {
+        let Stator { alpha: d, beta: q } = self.beside_stator(sine_cosine);
+        Self { d, q }
+    }
+
     /// The square of its size.
     #[inline]
     pub fn square(self) -> f32 {

@@ -220,7 +220,10 @@ impl Loops {
         };
         // The control goes on where the interrupt has ended: it tells the fault.
         if let Ok(current) = self.control.run(&self.interrupt, &seen) {
-            self.interrupt.order(current, 0);
+            match self.control.field() {
+                Some((from, speed)) => self.interrupt.order_field(current, from, speed),
+                None => self.interrupt.order(current, 0),
+            }
         }
         self.fault = self.control.fault();
     }

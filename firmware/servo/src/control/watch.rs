@@ -16,6 +16,13 @@ const ASTRAY: f32 = 5e-3;
 /// The share of the rated current that the currents of the phases may add up to, and for how long, in s.
 const ADDED_UP: (f32, f32) = (0.2, 2e-3);
 
+/// A reading that has stood still for so long, in s, within this share of the rated current, while it is this share away from what is asked and this
+/// share of the bus acts beside the model, is none.
+const STILL: (f32, f32, f32, f32) = (0.4e-3, 0.01, 0.05, 0.25);
+
+/// The share of the rated current above which a reading that stands still is that of a sensor, and not of a phase that carries nothing.
+const NOTHING: f32 = 0.03;
+
 /// See the module.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Watch {
@@ -26,6 +33,8 @@ pub(super) struct Watch {
     phase_loss: PhaseLoss,
     /// How long the model has not known what it sees, in s.
     astray: f32,
+    /// Where the reading of a phase stands still, and for how long, in s.
+    still: [(f32, f32); 3],
     /// How long the currents of the phases have not added up to nothing, in s.
     unequal: f32,
     /// What the current loop has had the time to reach of what was asked of it.
@@ -46,6 +55,7 @@ impl Watch {
             blocked: Blocked::new(speed, time, period)?,
             phase_loss: PhaseLoss::new(motor.wiring, least, 0.02, period)?,
             astray: 0.0,
+            still: [(0.0, 0.0); 3],
             unequal: 0.0,
             due: Rotor::ZERO,
         };
@@ -56,6 +66,7 @@ impl Watch {
     /// The gates are about to be on.
     pub(super) fn start(&mut self) {
         self.astray = 0.0;
+        self.still = [(0.0, 0.0); 3];
         self.unequal = 0.0;
         self.due = Rotor::ZERO;
         self.blocked.restart();
@@ -105,8 +116,19 @@ impl Watch {
         if is_fed && (self.phase_loss.run(phases(asked), phases(carried))).is_some() {
             return Some(Fault::PhaseLost);
         }
+        let unknown = interrupt.current.unknown();
+        let acts = unknown.beside_stator(angle);
+        if let Some(reading) =
+            self.stands_still(phases(carried), phases(asked), phases(acts), seen.bus)
+        {
+            let is_nothing = reading.abs() < NOTHING * self.motor.rated_current;
+            return Some(match is_nothing {
+                true => Fault::PhaseLost,
+                false => Fault::CurrentSensor,
+            });
+        }
         // A magnet that turns where the encoder stands drives what the model does not know.
-        let unknown = root(interrupt.current.unknown().square());
+        let unknown = root(unknown.square());
         let known = self.motor.resistance * self.motor.rated_current + 0.03 * seen.bus;
         let is_astray = unknown > known + UNKNOWN * self.motor.resistance * root(current.square());
         self.astray = if is_astray {
@@ -118,5 +140,37 @@ impl Watch {
             return Some(Fault::Encoder);
         }
         self.blocked.run(pushes, velocity).then_some(Fault::Blocked)
+    }
+
+    /// The reading of a phase that stands still though much acts on it.
+    fn stands_still(
+        &mut self,
+        carried: [f32; 3],
+        asked: [f32; 3],
+        acts: [f32; 3],
+        bus: f32,
+    ) -> Option<f32> {
+        let (time, within, away, share) = STILL;
+        let rated = self.motor.rated_current;
+        let mut found = None;
+        let phases = self
+            .still
+            .iter_mut()
+            .zip(carried)
+            .zip(asked.iter().zip(acts));
+        for (((reading, since), carried), (asked, acts)) in phases.take(self.motor.wiring.phases())
+        {
+            let is_still = is_within((carried - *reading).abs(), 0.0, within * rated);
+            let is_away = (carried - asked).abs() > away * rated;
+            if is_still && is_away && acts.abs() > share * bus {
+                *since += self.period;
+            } else {
+                (*reading, *since) = (carried, 0.0);
+            }
+            if *since > time {
+                found = Some(*reading);
+            }
+        }
+        found
     }
 }

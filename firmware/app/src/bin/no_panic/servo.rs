@@ -290,7 +290,10 @@ fn ordered(motor: &Motor, interrupt: &mut CurrentInterrupt) -> Result<(), Implau
         };
         look(control.chops(seen.bus).into());
         match control.run(interrupt, &seen) {
-            Ok(current) => interrupt.order(current, any() as u16),
+            Ok(current) => match control.field() {
+                Some((from, speed)) => interrupt.order_field(current, from, speed),
+                None => interrupt.order(current, any() as u16),
+            },
             Err(fault) => look(fault as u32),
         }
         let report = control.report(interrupt);

@@ -6,8 +6,11 @@ use super::*;
 
 /// How many profiles: `AXIS402_SOAK_PROFILES`, or some.
 fn profiles() -> u64 {
-    let wanted = std::env::var("AXIS402_SOAK_PROFILES");
-    wanted.map_or(40, |text| text.parse().unwrap())
+    wanted("AXIS402_SOAK_PROFILES", 40)
+}
+
+fn wanted(name: &str, otherwise: u64) -> u64 {
+    std::env::var(name).map_or(otherwise, |text| text.parse().unwrap())
 }
 
 /// The true lead of the current over the rotor in full steps, where enough of it flows to tell, and the bus has the voltage for the one that is asked for.
@@ -24,7 +27,7 @@ fn lead(servo: &ServoMotor) -> f64 {
 
 #[test]
 fn no_load_profile_costs_a_step() {
-    let mut chance = Chance::new(19);
+    let mut chance = Chance::new(wanted("AXIS402_SOAK_SEED", 19));
     let mut random = |from: f64, to: f64| {
         from + (to - from) * (chance.next() >> 11) as f64 / (1_u64 << 53) as f64
     };
@@ -65,8 +68,8 @@ fn no_load_profile_costs_a_step() {
             let pull = 1.5 * holding * random(-1.0, 1.0);
             rig.servo.plant.load_torque = pull;
             let wanted = 0.5 * fastest * random(-1.0, 1.0);
-            for _ in 0..(random(10.0, 40.0) as u32) {
-                rig.run(1e-3, wanted);
+            for _ in 0..(random(40.0, 160.0) as u32) {
+                rig.run(0.25e-3, wanted);
                 lead_now(&rig);
                 is_held_back |= rig.servo.report(0).is_limited;
                 if rig.servo.plant.velocity().abs() > 0.4 * f64::from(data.speed) / 9.55 {

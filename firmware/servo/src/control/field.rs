@@ -1,0 +1,65 @@
+//! A position that is held by a field that leads the rotor.
+
+use super::Control;
+use crate::cascade::{Demand, Limits};
+use crate::interrupt::CurrentInterrupt;
+use crate::number::{between, root};
+use crate::stepper::{self, StepperDemand};
+use crate::transform::Rotor;
+
+/// The share of the bus that the magnet, what lies along it and across may drive together.
+const FOR_FIELD: f32 = 0.75;
+
+/// Turns of a rad.
+const TURN_OF_RADIAN: f32 = 0.5 * core::f32::consts::FRAC_1_PI;
+
+impl Control {
+    /// The current of a field that leads the rotor.
+    pub(super) fn lead(
+        &mut self,
+        demand: &Demand,
+        interrupt: &CurrentInterrupt,
+        is_new: bool,
+        limits: Limits,
+        bus: f32,
+    ) -> Rotor {
+        let Some(stepper) = &mut self.stepper else {
+            return Rotor::ZERO;
+        };
+        let position = demand.position.unwrap_or_default();
+        let part = (demand.part * 65_536.0) as i64;
+        let demand = StepperDemand {
+            position: position.saturating_mul(1 << 16).saturating_add(part),
+            speed: demand.velocity * f32::from(self.motor.pole_pairs),
+            is_at_rest: demand.velocity == 0.0 && demand.acceleration == 0.0,
+        };
+        let rotor = stepper::Rotor {
+            position: interrupt.encoder.position(),
+            angle: interrupt.encoder.angle(),
+            speed: interrupt.observer.speed(),
+        };
+        if is_new {
+            stepper.take_over(self.wanted, &demand, &rotor);
+        }
+        let most = limits.positive.max(limits.negative);
+        let field = stepper.run(&demand, &rotor, most);
+        let from = interrupt.observer.angle();
+        // Beside the stator it pulls back at once a rotor that swings; a rotor that runs away from it leads it, so that it is never beyond where it pulls hardest.
+        let away = (demand.speed - rotor.speed).abs() * self.config.period * TURN_OF_RADIAN;
+        let ahead = field.angle.minus(rotor.angle).turns().abs();
+        let stands = away < 0.05 && ahead + 2.0 * away < 0.25;
+        self.field = stands.then_some((from, demand.speed));
+        let asked = field.seen_from(from);
+        let q = between(asked.q, -limits.negative, limits.positive);
+        self.is_limited = stepper.is_held_back() || q != asked.q;
+        // What lies along the magnet gives way where the bus has not the voltage for it: it holds at rest, and gives no torque.
+        let speed = rotor.speed.abs().max(1.0);
+        let across = q.abs().max(interrupt.current.current().q.abs());
+        let across = speed * self.motor.inductance_q * across;
+        let most = FOR_FIELD * bus;
+        let room = root(most * most - across * across) / speed - self.motor.flux;
+        let most = between(room / self.motor.inductance_d, 0.0, 1e4);
+        let d = between(asked.d, -most, most);
+        Rotor { d, q }
+    }
+}
