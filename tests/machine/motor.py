@@ -1,4 +1,5 @@
-"""A motor with three phases on the half bridges of a servo board, its bus, and its encoder: the equations of docs/servo.md, step by step between what the chip does."""
+"""A motor with three phases on the half bridges of a servo board, its bus, and its encoder: the equations of docs/servo.md, step by step between
+what the chip does."""
 
 import math
 
@@ -9,6 +10,17 @@ STEP = 2_100
 #: A turn of the lines of an encoder.
 LINES = ((0, 0), (1, 0), (1, 1), (0, 1))
 PHASES = [2 * math.pi * n / 3 for n in range(3)]
+
+
+class Level:
+    """What lies at a channel of the converters: a function of the motor, by name, so that a copy of the chip has its own."""
+
+    def __init__(self, motor, what, *arguments):
+        self.motor, self.what, self.arguments = motor, what, arguments
+
+    def __call__(self, time):
+        self.motor.advance(time)
+        return max(0, min(4095, round(getattr(self.motor, self.what)(*self.arguments))))
 
 
 class Motor:
@@ -26,19 +38,11 @@ class Motor:
         self.angle = angle
         self.is_held = False
         self.begin, self.count = self.encoder(), 0
-        self.duties, self.most, self.log = None, 0.0, []
-        levels = chip.adc.levels
-        levels.update({6: self.at(lambda: self.bus / self.volt), 10: self.at(lambda: self.sensed(1)), 11: self.at(lambda: self.sensed(2))})
+        self.duties, self.most = None, 0.0
+        chip.adc.levels |= {6: Level(self, "bus_counts"), 10: Level(self, "sensed", 1), 11: Level(self, "sensed", 2)}
         chip.tim1.centre.on_change = self.changed
         for pin in ("PB4", "PB5"):
             chip.pins.drive(pin, 0)
-
-    def at(self, value):
-        def level(time):
-            self.advance(time)
-            return max(0, min(4095, round(value())))
-
-        return level
 
     def changed(self):
         self.advance(self.chip.now())
@@ -51,6 +55,9 @@ class Motor:
         """The current into a phase."""
         angle = self.angle * self.pole_pairs - PHASES[n]
         return self.d * math.cos(angle) - self.q * math.sin(angle)
+
+    def bus_counts(self):
+        return self.bus / self.volt
 
     def sensed(self, n):
         """What the converter has of it: amplifiers are a little off."""

@@ -1,5 +1,5 @@
-"""TIM2 (RM0090, 18): counts what TIM1 shows it, and captures the count at edges of its pins. That of a servo counts up and down and switches a brake resistor: channel 3
-its lower switch, channel 4 its upper one."""
+"""TIM2 (RM0090, 18): counts what TIM1 shows it, and captures the count at edges of its pins. That of a servo counts up and down and switches a
+brake resistor: channel 3 its lower switch, channel 4 its upper one."""
 
 from .interrupts import IRQ
 from .timers import Timer, registers
@@ -10,7 +10,10 @@ PINS = {"PA0": 1, "PA1": 2, "PB11": 4}
 
 class Tim2(Timer):
     NAME, CLOCK = "TIM2", (0x40, 0)
-    REGISTERS = registers(32, CR1=0xA5, ARR=0xFFFF_FFFF, CCR3=0xFFFF_FFFF, CCR4=0xFFFF_FFFF, SMCR=0xFFF7, DIER=0x1E, EGR=1, CCMR1=0xF3F3, CCMR2=0xFBFB, CCER=0xBBBB, CNT=0xFFFF_FFFF)
+    FULL = 0xFFFF_FFFF
+    REGISTERS = registers(
+        32, CR1=0xA5, ARR=FULL, CCR3=FULL, CCR4=FULL, SMCR=0xFFF7, DIER=0x1E, EGR=1, CCMR1=0xF3F3, CCMR2=0xFBFB, CCER=0xBBBB, CNT=FULL,
+    )  # fmt: skip
 
     def write_SMCR(self, value):
         # External clock mode 1 by the internal trigger 0, which is TIM1.

@@ -211,7 +211,10 @@ pub trait Desk {
 }
 
 /// A step driver has none.
-impl Desk for () {
+#[allow(dead_code, reason = "a board with a servo has one")]
+pub struct NoDesk;
+
+impl Desk for NoDesk {
     fn attend<D: od::Dictionary>(&mut self, _: &mut D) {}
 }
 

@@ -45,9 +45,10 @@ impl Current {
 
     /// What is above the current, behind [`Current::period`], at this count of the clock. Returns whether the gates may be on.
     pub fn control(&mut self, counts: &Counts, now: u32) -> bool {
-        let (order, at) = self.orders.order.unzip();
-        let since = at.map_or(0.0, |at| now.wrapping_sub(at) as f32 * self.count);
-        self.loops.take(order);
+        let since = match &self.orders.order {
+            Some((_, at)) => now.wrapping_sub(*at) as f32 * self.count,
+            None => 0.0,
+        };
         self.loops
             .control(counts, since, 0, self.orders.temperature);
         // One at a time, and not where the loops have run, so that no period is much longer than the others.
@@ -65,14 +66,15 @@ impl Current {
         self.loops.fault().is_none()
     }
 
-    /// The share of the time for which the brake chopper is to be on, 0 to 1.
-    pub fn chopping(&self, counts: &Counts) -> f32 {
-        self.loops.chopping(counts)
+    /// The share of the time for which the brake chopper is to be on from now on, 0 to 1; told once in as many periods.
+    pub fn chopping(&self, counts: &Counts) -> Option<f32> {
+        (self.at == 0).then(|| self.loops.chopping(counts))
     }
 
     fn hear(&mut self) {
         if let Some(orders) = self.link.orders() {
             self.orders = orders;
+            self.loops.take(orders.order.map(|(order, _)| order));
         }
         self.loops
             .energise(self.orders.is_on && !self.orders.is_barred);
@@ -88,12 +90,13 @@ impl Current {
     }
 
     fn tell(&self, counts: &Counts) {
+        let report = self.loops.told();
         let told = Told {
-            report: self.loops.report(0),
+            report: self.loops.reported(&report, 0),
             fault: self.loops.fault().map(error_code),
             millivolts: (self.loops.bus(counts) * 1e3) as u32,
-            is_stalled: self.loops.is_stalled(),
-            is_hot: self.loops.is_hot(),
+            is_stalled: self.loops.stalls(&report),
+            is_hot: report.is_hot,
             position_tolerance: self.loops.position_tolerance(),
         };
         self.link.tell(told, self.loops.lead());

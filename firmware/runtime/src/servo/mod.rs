@@ -273,9 +273,13 @@ impl Loops {
 
     /// What has become of the orders, in counts from `origin` on.
     pub fn report(&self, origin: i64) -> ServoReport {
+        self.reported(&self.told(), origin)
+    }
+
+    fn reported(&self, report: &Report, origin: i64) -> ServoReport {
         let counts = self.position().wrapping_sub(origin);
         let wants_free = self.wants_free() || self.begin != Begin::Over;
-        orders::report(&self.told(), counts, wants_free)
+        orders::report(report, counts, wants_free)
     }
 
     /// The current that is asked of its loop.
@@ -300,7 +304,10 @@ impl Loops {
 
     /// The rotor stands against a limit of the torque.
     pub fn is_stalled(&self) -> bool {
-        let report = self.told();
+        self.stalls(&self.told())
+    }
+
+    fn stalls(&self, report: &Report) -> bool {
         report.is_limited && report.velocity.abs() < 0.02 * self.motor.counts as f32
     }
 

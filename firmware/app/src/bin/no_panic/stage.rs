@@ -102,7 +102,8 @@ pub fn loops(config: DriveConfig) -> Result<(), Implausible> {
                         .for_each(|value| look(value.into()));
                 }
                 look(current.control(&counts, any()).into());
-                let values = counter.chopper(current.chopping(&counts), any() as u16);
+                let values =
+                    counter.chopper(current.chopping(&counts).unwrap_or(0.0), any() as u16);
                 values.into_iter().for_each(|value| look(value.into()));
             }
             1 => {

@@ -79,12 +79,13 @@ struct Inner {
     current: servo::Current,
     converters: converters::Currents,
     bridges: pwm::Bridges,
-    /// Periods since the last refill.
-    periods: u32,
 }
 
-/// Periods of the modulation in a refill.
-const REFILL: u32 = pwm::HZ / (RATE_HZ * Odrive36::REFILLS);
+/// The loops above the current run as often as refills come.
+const _: () = assert!(
+    pwm::HZ == RATE_HZ * Odrive36::REFILLS * motor::DATA.stage.control as u32,
+    "a refill in each period of the loops above the current"
+);
 
 static mut INNER: MaybeUninit<Inner> = MaybeUninit::uninit();
 
@@ -226,7 +227,6 @@ impl Board for Odrive36 {
             converters,
             // The first interrupt may come from here on, and waits until all is set up: interrupts are off.
             bridges: pwm::Bridges::new(device.TIM1, device.TIM2, &mut rcc),
-            periods: 0,
         };
         // SAFETY: the peripherals exist once, so this function is called once, and the interrupt that has the memory from then on has not come yet.
         unsafe { (*addr_of_mut!(INNER)).write(inner) };
@@ -279,10 +279,8 @@ impl Board for Odrive36 {
         if !inner.current.control(&counts, chip::ticks()) {
             inner.bridges.put(None);
         }
-        inner.bridges.burn(inner.current.chopping(&counts));
-        inner.periods += 1;
-        if inner.periods >= REFILL {
-            inner.periods = 0;
+        if let Some(share) = inner.current.chopping(&counts) {
+            inner.bridges.burn(share);
             // The interrupt of a timer that is not used.
             NVIC::pend(pac::Interrupt::TIM4);
         }
