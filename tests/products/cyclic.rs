@@ -42,6 +42,36 @@ fn follows_a_set_point_of_each_sync(name: &str) {
     assert_eq!(position(&mut bench), 1_000, "{name}");
 }
 
+/// A quick stop in interpolated position is abrupt, whatever 6085h says.
+#[test]
+fn the_nanotec_stops_abruptly_in_interpolated_position() {
+    let mut bench = Bench::node("nanotec", NODE);
+    number(&mut bench, 0x6085, 0, 1_000);
+    bench.write(NODE, 0x60C2, 1, &[10]);
+    bench.write(NODE, 0x60C2, 2, &[0xFD]);
+    bench.send(&Frame::data_frame(0, &[1, NODE]));
+    bench.write(NODE, 0x6060, 0, &[7]);
+    bench.enable(NODE);
+    let cycle = |bench: &mut Bench, target: i32| {
+        bench.write(NODE, 0x60C1, 1, &target.to_le_bytes());
+        bench.send(&Frame::data_frame(0x080, &[]));
+        bench.run(10);
+    };
+    for _ in 0..50 {
+        cycle(&mut bench, 0);
+    }
+    command(&mut bench, 0x1F);
+    for target in 1..=100 {
+        cycle(&mut bench, target * 20);
+    }
+    let from = position(&mut bench);
+    command(&mut bench, 0x0B);
+    bench.run(1_000);
+    // 2000 a second: a ramp of 6085h would take two seconds, and 2000.
+    let way = position(&mut bench) - from;
+    assert!((0..=30).contains(&way), "{way}");
+}
+
 /// Bit 8 of a Nanotec tells that its clock is locked to SYNC.
 #[test]
 fn the_nanotec_tells_that_it_is_locked_to_sync() {

@@ -3,7 +3,7 @@
 use sim::plant::{Index, Switch, Track};
 
 use crate::bench::Bench;
-use crate::steer::{NODE, begin, command, enabled, enabled_on, number, position, way};
+use crate::steer::{NODE, begin, command, enabled, enabled_on, number, position, statusword, way};
 
 /// Two speeds: fast to the switch, slowly to its edge; and the acceleration between them.
 fn homes_with_two_speeds(name: &str) {
@@ -110,7 +110,7 @@ fn a_stop_is_home() {
     }
 }
 
-/// Methods that a Nanotec has not are refused, and so are those of a switch that opens, which it has.
+/// Methods that a Nanotec has not are refused.
 #[test]
 fn the_nanotec_has_no_homing_by_limit_switches() {
     let mut bench = Bench::node("nanotec", NODE);
@@ -118,10 +118,65 @@ fn the_nanotec_has_no_homing_by_limit_switches() {
         let answer = bench.sdo(NODE, [0x2F, 0x98, 0x60, 0, method, 0, 0, 0]);
         assert_eq!(answer[0], 0x80, "{method}");
     }
-    for method in [20, 22, 33, 34, 35, 0xFE, 0xFD] {
+    for method in [19, 20, 21, 22, 33, 34, 35, 0xFE, 0xFD] {
         bench.write(NODE, 0x6098, 0, &[method]);
         assert_eq!(bench.read(NODE, 0x6098, 0) as u8, method);
     }
+}
+
+/// Methods 19 and 21 are those of a switch that opens: home is the same as with one that closes there.
+#[test]
+fn the_nanotec_homes_to_a_switch_that_opens() {
+    for (method, opens) in [(20_u8, false), (19, true)] {
+        let switch = if opens {
+            Switch::up_to(3_000)
+        } else {
+            Switch::from(3_000)
+        };
+        let track = Track {
+            probes: [None, Some(switch)],
+            ..Track::default()
+        };
+        let mut bench = enabled_on("nanotec", 6, track);
+        number(&mut bench, 0x6099, 1, 2_000);
+        number(&mut bench, 0x6099, 2, 200);
+        bench.write(NODE, 0x6098, 0, &[method]);
+        bench.run(20);
+        command(&mut bench, 0x1F);
+        bench.wait_for_status(NODE, 0x3400, 0x1400, 10_000);
+        let home = bench.drive.plant_mut().position();
+        assert!(home.abs_diff(3_000) <= 10, "{method}: {home}");
+    }
+}
+
+/// A block is where the motor is behind by 6065h for 6066h.
+#[test]
+fn the_nanotec_finds_a_block_by_its_following_error() {
+    let times = [(100_u32, 20_u16), (1_000, 20), (100, 500)].map(|(window, time)| {
+        let track = Track {
+            stops: Some(-1_500..=2_000),
+            ..Track::default()
+        };
+        let mut bench = enabled_on("nanotec", 6, track);
+        bench.drive.plant_mut().encoder = true;
+        number(&mut bench, 0x6065, 0, window);
+        bench.write(NODE, 0x6066, 0, &time.to_le_bytes());
+        number(&mut bench, 0x6099, 1, 2_000);
+        number(&mut bench, 0x6099, 2, 500);
+        bench.write(NODE, 0x6098, 0, &[0xFE]);
+        bench.run(20);
+        command(&mut bench, 0x1F);
+        let mut passed = 0;
+        while statusword(&mut bench) & 0x3400 != 0x1400 {
+            bench.run(10);
+            passed += 10;
+            assert!(passed < 20_000, "{window} for {time} ms");
+        }
+        passed
+    });
+    // 900 further at 2000 a second; 480 ms longer.
+    assert!(times[1] > times[0] + 400, "{times:?}");
+    assert!(times[2] > times[0] + 400, "{times:?}");
 }
 
 /// Method 22 looks for a switch that closes in the other direction, and ends where it opens again.

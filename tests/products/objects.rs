@@ -206,10 +206,6 @@ const REFUSED: &[(&str, u16, &str)] = &[
     ),
 ];
 
-/// Objects that cannot be read, and why.
-const UNREADABLE: &[(&str, u16, &str)] =
-    &[("tc1", 0x1021, "the drive does not keep its data sheet")];
-
 fn is_listed(list: &[(&str, u16, &str)], product: &str, index: u16) -> bool {
     let is_own = |own: &(&str, u16, &str)| (own.0.is_empty() || own.0 == product) && own.1 == index;
     list.iter().any(is_own)
@@ -236,7 +232,6 @@ fn look(product: &str) -> Vec<String> {
                 continue;
             }
             // The history has no more errors than have been.
-            (_, Err(_)) if is_listed(UNREADABLE, product, row.index) => continue,
             (_, Err(0x0800_0024)) if row.index == 0x1003 => continue,
             (_, Err(code)) => {
                 say(format!("{code:08X} when read"));

@@ -385,6 +385,56 @@ fn the_nanotec_debounces_its_home_switch() {
     }
 }
 
+/// A bit of 60FEh:2 that has no output voids the whole mask.
+#[test]
+fn the_nanotec_discards_a_mask_with_bits_of_no_output() {
+    let mut bench = Bench::node("nanotec", NODE);
+    number(&mut bench, 0x60FE, 2, 0x0002_0000);
+    for mask in [0x0001_0001_u32, 0x000F_0000, 0x8001_0000] {
+        let [a, b, c, d] = mask.to_le_bytes();
+        let answer = bench.sdo(NODE, [0x23, 0xFE, 0x60, 2, a, b, c, d]);
+        assert_eq!(answer[0], 0x80, "{mask:08X}h");
+        assert_eq!(bench.read(NODE, 0x60FE, 2), 0x0002_0000);
+    }
+}
+
+/// Another mode is taken when the brake of a Nanotec has opened.
+#[test]
+fn the_nanotec_changes_no_mode_while_its_brake_opens() {
+    let mut bench = Bench::node("nanotec", NODE);
+    bench.write(NODE, 0x2007, 2, &300_u16.to_le_bytes());
+    bench.write(NODE, 0x6060, 0, &[1]);
+    bench.enable(NODE);
+    bench.run(20);
+    bench.write(NODE, 0x6060, 0, &[2]);
+    bench.run(150);
+    assert_eq!(bench.read(NODE, 0x6061, 0) as u8, 1);
+    bench.run(200);
+    assert_eq!(bench.read(NODE, 0x6061, 0) as u8, 2);
+}
+
+/// A set-point of a Nanotec is ready when the motor has stood for the swing-out time, 2004h:5.
+#[test]
+fn the_nanotec_is_ready_when_it_has_swung_out() {
+    let times = [0_u16, 300].map(|time| {
+        let mut bench = Bench::node("nanotec", NODE);
+        bench.write(NODE, 0x2004, 5, &time.to_le_bytes());
+        bench.write(NODE, 0x6060, 0, &[1]);
+        bench.enable(NODE);
+        begin(&mut bench, 1_000, 2_000, 100_000);
+        bench.run(10);
+        let mut passed = 0;
+        while bench.read(NODE, 0x6041, 0) >> 10 & 1 == 0 {
+            bench.run(5);
+            passed += 5;
+            assert!(passed < 5_000, "{time}");
+        }
+        assert_eq!(position(&mut bench), 1_000, "{time}");
+        passed
+    });
+    assert!((280..=320).contains(&(times[1] - times[0])), "{times:?}");
+}
+
 /// 1010h stores nothing while the motor has power, and tells so.
 #[test]
 fn some_objects_of_the_tc1_wait_until_the_motor_is_off() {
