@@ -185,6 +185,12 @@ impl Behaviour for Module {
 
     fn look<D: Dictionary + Objects>(&mut self, dictionary: &mut D, view: &View<'_>) {
         let actuals = view.actuals;
+        if self.ticked.is_some_and(|last| actuals.at <= last) {
+            // Nothing is new since the last tick, and a frame on a busy bus has no time to lose.
+            return;
+        }
+        self.ticked = Some(actuals.at);
+        self.since = self.since.saturating_add(1);
         self.statusword = actuals.statusword;
         self.position = actuals.position_actual;
         self.is_moving = actuals.is_moving;
@@ -197,9 +203,6 @@ impl Behaviour for Module {
             for index in [0x2211, 0x2212] {
                 put_number(dictionary, index, 0, self.position.into());
             }
-        }
-        if self.ticked.replace(actuals.at) != Some(actuals.at) {
-            self.since = self.since.saturating_add(1);
         }
         if self.waits && self.since >= SETTLED && self.statusword & ACKNOWLEDGE == 0 {
             self.waits = false;

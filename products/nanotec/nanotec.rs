@@ -42,6 +42,9 @@ pub struct Module {
     mode: i8,
     /// The brake is being waited for.
     waits: bool,
+    /// Bit 10 waits for the swing-out time.
+    swings: bool,
+    ticked: Instant,
 }
 
 impl Default for Module {
@@ -54,6 +57,8 @@ impl Default for Module {
             at: Instant::from_ticks(0),
             mode: 0,
             waits: false,
+            swings: false,
+            ticked: Instant::from_ticks(0),
         }
     }
 }
@@ -81,6 +86,35 @@ impl Module {
             put_number(dictionary, index, 0, value);
         }
         self.asks.configuration = true;
+    }
+
+    /// The drive has published what it does.
+    fn tick<D: Dictionary>(&mut self, dictionary: &D, view: &View<'_>) {
+        let actuals = view.actuals;
+        self.at = view.at;
+        let was_enabled = self.is_enabled;
+        let state = State::from_statusword(actuals.statusword);
+        self.is_enabled = state == Some(State::OperationEnabled);
+        let release_time = u64::try_from(number(dictionary, 0x2007, 2)).unwrap_or(0) * 1_000;
+        if self.is_enabled && !was_enabled {
+            self.enabled = view.at;
+        }
+        let waits = self.is_enabled && self.since(self.enabled) < release_time;
+        // The mode that was asked for meanwhile is taken behind it.
+        self.asks.commands |= self.waits && !waits;
+        self.waits = waits;
+        if !waits {
+            self.mode = actuals.mode_display;
+        }
+        // Set-points are ready when the motor has swung out.
+        if actuals.is_moving {
+            self.stands = None;
+        } else if self.stands.is_none() {
+            self.stands = Some(view.at);
+        }
+        let time = u64::try_from(number(dictionary, 0x2004, 5)).unwrap_or(0) * 1_000;
+        let swings = self.stands.is_none_or(|then| self.since(then) < time);
+        self.swings = actuals.mode_display == 1 && self.is_enabled && swings;
     }
 
     /// Microseconds since then.
@@ -119,31 +153,11 @@ impl Behaviour for Module {
     }
 
     fn look<D: Dictionary + Objects>(&mut self, dictionary: &mut D, view: &View<'_>) {
-        let actuals = view.actuals;
-        self.at = view.at;
-        let was_enabled = self.is_enabled;
-        let state = State::from_statusword(actuals.statusword);
-        self.is_enabled = state == Some(State::OperationEnabled);
-        let release_time = u64::try_from(number(dictionary, 0x2007, 2)).unwrap_or(0) * 1_000;
-        if self.is_enabled && !was_enabled {
-            self.enabled = view.at;
+        if view.actuals.at > self.ticked {
+            self.ticked = view.actuals.at;
+            self.tick(dictionary, view);
         }
-        let waits = self.is_enabled && self.since(self.enabled) < release_time;
-        // The mode that was asked for meanwhile is taken behind it.
-        self.asks.commands |= self.waits && !waits;
-        self.waits = waits;
-        if !waits {
-            self.mode = actuals.mode_display;
-        }
-        // Set-points are ready when the motor has swung out.
-        if actuals.is_moving {
-            self.stands = None;
-        } else if self.stands.is_none() {
-            self.stands = Some(view.at);
-        }
-        let time = u64::try_from(number(dictionary, 0x2004, 5)).unwrap_or(0) * 1_000;
-        let swings = self.stands.is_none_or(|then| self.since(then) < time);
-        if actuals.mode_display == 1 && self.is_enabled && swings {
+        if self.swings {
             let word = number(dictionary, 0x6041, 0);
             put_number(dictionary, 0x6041, 0, word & !REACHED);
         }

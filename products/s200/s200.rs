@@ -222,13 +222,20 @@ impl Behaviour for Module {
     }
 
     fn look<D: Dictionary + Objects>(&mut self, dictionary: &mut D, view: &View<'_>) {
-        let before = core::mem::replace(&mut self.seen, Seen::of(view));
-        let seen = self.seen;
+        let seen = Seen::of(view);
+        if seen.ticked <= self.seen.ticked && !self.is_starting {
+            // Nothing is new since the last tick, and a frame on a busy bus has no time to lose.
+            (self.seen.is_storing, self.seen.state) = (seen.is_storing, seen.state);
+            self.modes.show(dictionary, &seen, self.tasks.takes_mode());
+            self.status.show_again(dictionary);
+            return;
+        }
+        let before = core::mem::replace(&mut self.seen, seen);
         if self.is_starting && seen.state != NmtState::Initialisation {
             self.is_starting = false;
             self.asks.configuration |= modes::begin(dictionary);
         }
-        if before.ticked != seen.ticked {
+        if before.ticked < seen.ticked {
             self.asks.commands |= self.tasks.tick(dictionary, &seen);
             self.asks.commands |= self.modes.tick(dictionary, &seen);
             self.asks.commands |= self.orders.tick(dictionary, &seen, &mut self.asks);

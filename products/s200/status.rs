@@ -66,6 +66,8 @@ pub(super) struct Status {
     heard: Option<Instant>,
     was_written: bool,
     is_silent: bool,
+    /// What the drive's own words do not have: of 2000h, of 1002h, and 6063h.
+    beside: (i64, i64, i64),
     /// Levels of the outputs that compare, and which those are.
     levels: (u32, u32),
 }
@@ -95,7 +97,8 @@ impl Status {
     ) -> bool {
         let before = (self.fault, self.levels);
         self.watch(dictionary, seen);
-        let mut warnings = number(dictionary, 0x2000, 0)
+        let own = number(dictionary, 0x2000, 0);
+        let mut warnings = own
             | match self.faulty {
                 Some(Faulty::Task) => FAULTY_TASK,
                 Some(Faulty::Reference) => NO_REFERENCE,
@@ -108,6 +111,7 @@ impl Status {
             warnings |= 1 << 15;
         }
         put_number(dictionary, 0x2000, 0, warnings);
+        self.beside.0 = warnings & !own;
         let first = (warnings != 0).then(|| i64::from(warnings.trailing_zeros()) + 1);
         put_number(dictionary, 0x38F7, 1, first.unwrap_or(0));
         let grave = warnings & number(dictionary, 0x363E, 1);
@@ -138,6 +142,16 @@ impl Status {
         before != (self.fault, self.levels)
     }
 
+    /// Puts what was found in the last tick beside what the drive shows anew.
+    pub(super) fn show_again<D: Dictionary>(&self, dictionary: &mut D) {
+        let (warnings, register, internal) = self.beside;
+        let word = number(dictionary, 0x2000, 0) | warnings;
+        put_number(dictionary, 0x2000, 0, word);
+        let word = number(dictionary, 0x1002, 0) | register;
+        put_number(dictionary, 0x1002, 0, word);
+        put_number(dictionary, 0x6063, 0, internal);
+    }
+
     /// EXTWD: a master that writes nothing for so many ms while the motor has power.
     fn watch<D: Dictionary>(&mut self, dictionary: &D, seen: &Seen) {
         let patience = u64::try_from(number(dictionary, 0x353A, 1)).unwrap_or(0) * 1_000;
@@ -149,7 +163,7 @@ impl Status {
     }
 
     fn show_words<D: Dictionary>(
-        &self,
+        &mut self,
         dictionary: &mut D,
         seen: &Seen,
         (warnings, first): (i64, Option<i64>),
@@ -158,13 +172,15 @@ impl Status {
         // Latches: what 60B9h would show stands in an object of our own.
         let latched = number(dictionary, 0x5101, 0);
         let latch = |from: u32, to: u32| (latched >> from & 1) << to;
-        let register = number(dictionary, 0x1002, 0)
+        let own = number(dictionary, 0x1002, 0);
+        let register = own
             | i64::from(is_jogging) << 17
             | latch(9, 4)
             | latch(10, 18)
             | latch(1, 20)
             | latch(2, 21);
         put_number(dictionary, 0x1002, 0, register);
+        self.beside.1 = register & !own;
         put_number(dictionary, 0x352D, 1, warnings);
         put_number(dictionary, 0x3613, 1, register);
         put_number(dictionary, 0x35FD, 1, i64::from(seen.statusword));
@@ -174,6 +190,7 @@ impl Status {
         let shift = number(dictionary, 0x35D1, 1).clamp(0, 31);
         let internal = i64::from(seen.internal) << shift >> 16;
         put_number(dictionary, 0x6063, 0, internal);
+        self.beside.2 = internal;
         // Twenty bits of a turn with sixteen.
         put_number(
             dictionary,

@@ -69,6 +69,7 @@ fn status_words_of_the_s200_follow_the_drive() {
     let mut bench = Bench::node("s200", NODE);
     assert_eq!(bench.read(NODE, 0x35FB, 1) & 0x20, 0x20);
     number(&mut bench, 0x3519, 1, 1);
+    bench.run(2);
     assert_eq!(bench.read(NODE, 0x35FB, 1) & 0x20, 0);
     bench.enable(NODE);
     for (word, own) in [(0x3613, 0x1002), (0x35FD, 0x6041)] {
@@ -175,6 +176,7 @@ fn pgeari_pgearo_and_prbase_are_the_resolution() {
     assert_eq!(bench.read(NODE, 0x6063, 0), 3 << 18, "PRBASE is 20");
     assert_eq!(bench.read(NODE, 0x35D2, 1), 3 << 18, "PRD");
     number(&mut bench, 0x35D1, 1, 12);
+    bench.run(2);
     assert_eq!(bench.read(NODE, 0x6063, 0), 3 << 10);
 }
 

@@ -270,6 +270,7 @@ fn a_faulty_motion_task_is_told() {
     bench.send(&Frame::full(0x604, [0x2B, 0x40, 0x60, 0, 0x3F, 0, 0, 0]));
     let message = bench.next(0x84, 100).expect("an emergency message");
     assert_eq!(message.payload()[..4], [0x81, 0x86, 0x81, 5]);
+    bench.run(2);
     assert_eq!(bench.read(NODE, 0x2000, 0) & 0x180, 0x80);
     start(&mut bench, 2);
     assert_eq!(bench.read(NODE, 0x2000, 0) & 0x180, 0x100);
