@@ -8,7 +8,7 @@
 use servo::interrupt::Counts;
 
 use super::link::{Link, Orders, Told};
-use super::{Loops, error_code};
+use super::{Loops, error_code, leads};
 
 /// See the module.
 #[derive(Debug)]
@@ -99,6 +99,6 @@ impl Current {
             is_hot: report.is_hot,
             position_tolerance: self.loops.position_tolerance(),
         };
-        self.link.tell(told, self.loops.lead());
+        self.link.tell(told, leads(&report));
     }
 }

@@ -289,7 +289,7 @@ impl Loops {
 
     /// The lead of a stepper's field in hundredths of a full step.
     pub fn lead(&self) -> u16 {
-        (self.told().lead.abs() * 100.0 + 0.5) as u16
+        leads(&self.told())
     }
 
     /// How far the rotor may be from where it is held at rest, in counts: a stepper that is only supervised has no more than its field, and loses
@@ -315,6 +315,10 @@ impl Loops {
     pub fn is_hot(&self) -> bool {
         self.told().is_hot
     }
+}
+
+fn leads(report: &Report) -> u16 {
+    (report.lead.abs() * 100.0 + 0.5) as u16
 }
 
 #[cfg(test)]
