@@ -8,7 +8,7 @@
 //! | `refill` | 4 | refill timer, 4 kHz | commits pulses |
 //! | `control` | 3 | system timer, 1 kHz or in step with SYNC | state machine, mode, planner |
 //! | `stop` | 3 | `node`, for a command to stop | the control tick for it, which does not wait for the next one |
-//! | `node` | 2 | a frame, room to send, every control tick, a deadline of its own | CANopen; writes the parameter sectors |
+//! | `node` | 2 | the start, a frame, room to send, every control tick, a deadline of its own | CANopen, which it powers on first; writes the parameter sectors |
 //! | `wake` | 2 | wake timer | runs `node` at its deadline |
 //! | `lights` | 1 | `node`, every 50 ms | green and red light |
 //!

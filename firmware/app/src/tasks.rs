@@ -115,21 +115,19 @@ pub struct NodeTask {
 }
 
 impl NodeTask {
-    /// Everything there is to do. `stop` is called as soon as the motor is to stop before the next control tick. Gives what the
-    /// lights are to say, once for each step of their patterns.
+    /// Everything there is to do; the first time the node is powered on before. `stop` is called as soon as the motor is to stop before the
+    /// next control tick. Gives what the lights are to say, once for each step of their patterns.
     pub fn run(
         &mut self,
         mut exchange: impl Mutex<T = Exchange>,
         mut bus: impl Mutex<T = CanBus>,
         stop: impl FnMut(),
     ) -> Option<Signals> {
-        let (mut around, mut bus) = (
-            Around {
-                exchange: &mut exchange,
-                stop,
-            },
-            LockedBus(&mut bus),
-        );
+        let mut around = Around {
+            exchange: &mut exchange,
+            stop,
+        };
+        let mut bus = LockedBus(&mut bus);
         if !core::mem::replace(&mut self.is_on, true) {
             self.node.power_on(&mut around, &mut bus);
         }
