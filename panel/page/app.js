@@ -1,6 +1,6 @@
 // The window: which page is shown, the stop that is on all of them, who has control.
 
-import { connect, known, listen, mayWrite, order, say } from "./connection.js";
+import { connect, hasControl, known, listen, mayWrite, order, say } from "./connection.js";
 import { element, mark, show, toast, visible } from "./element.js";
 import * as bus from "./bus.js";
 import * as drive from "./drive.js";
@@ -71,15 +71,17 @@ function updateBanner() {
     [text, kind] = ["No connection with the panel. It is tried again each second; a drive that was jogged has been stopped.", "bad"];
   } else if (known.readOnly) {
     [text, kind] = ["Read-only: nothing is written, and nothing can be stopped from here.", "info"];
-  } else if (!mayWrite()) {
+  } else if (!hasControl()) {
     [text, kind] = [known.writer ? "Another window has control. This one watches; Stop works here too." : "Nobody has control.", "info"];
+  } else if (known.state?.tuning) {
+    [text, kind] = ["The motor is being measured, and moves by itself. STOP ends it.", "info"];
   } else if (known.state?.notice) {
     [text, kind] = [known.state.notice, "bad"];
   }
   visible(banner, text !== null);
   banner.className = kind;
   show(bannerText, text ?? "");
-  visible(takeButton, known.connected && !known.readOnly && !mayWrite());
+  visible(takeButton, known.connected && !known.readOnly && !hasControl());
 }
 
 function update() {
@@ -95,7 +97,7 @@ function update() {
   }
   show(status, known.connected ? parts.join(" · ") : "not connected");
   mark(document.body, "data-offline", !known.connected);
-  mark(document.body, "data-watching", !mayWrite());
+  mark(document.body, "data-watching", !hasControl());
   shown?.update?.();
 }
 

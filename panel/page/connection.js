@@ -17,9 +17,14 @@ export const known = {
   refused: false,
 };
 
-/** Whether this window may write. */
-export function mayWrite() {
+/** Whether this window is the one that writes. */
+export function hasControl() {
   return known.connected && !known.readOnly && known.writer === known.window;
+}
+
+/** Whether it may write now: while the motor is measured nothing else is. */
+export function mayWrite() {
+  return hasControl() && !known.state?.tuning;
 }
 
 /** Calls back with what is new: "state", "connection", "writer"; "frames", "live" and "missed" with their event. */

@@ -257,6 +257,22 @@ impl Order {
             )
     }
 
+    /// Whether the motor moves by it, or gets its power.
+    pub fn moves(&self) -> bool {
+        matches!(
+            self,
+            Self::Transition {
+                transition: Transition::SwitchOn | Transition::EnableOperation
+            } | Self::Enable
+                | Self::Mode { .. }
+                | Self::Move { .. }
+                | Self::SetPoint { .. }
+                | Self::Jog { .. }
+                | Self::Home
+                | Self::Tune(_)
+        )
+    }
+
     /// Whether a window that only watches may want it: it changes nothing, for no other window either.
     pub fn is_for_watchers(&self) -> bool {
         matches!(

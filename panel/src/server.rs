@@ -261,7 +261,7 @@ impl Window {
         let ticket = Ticket {
             window: self.number,
             order,
-            releases: self.shared.desk.counts().releases,
+            counts: self.shared.desk.counts(),
             reply: Box::new(move |outcome| {
                 // A window that has so many replies unread does not miss another one.
                 let _ = replies.try_send(Event::Reply { id, outcome });

@@ -27,7 +27,7 @@ use master::data_sheet::DataSheet;
 use master::{Line, LineDown, Master};
 use tokio::sync::{broadcast, watch};
 
-use crate::desk::Desk;
+use crate::desk::{Counts, Desk};
 use crate::line::PanelLine;
 use crate::message::{Answer, Event, Order, Outcome, Recorded, State};
 use crate::traffic::Traffic;
@@ -49,8 +49,8 @@ pub struct Ticket {
     pub window: u64,
     /// What it wants.
     pub order: Order,
-    /// How many releases there had been on the desk when it was ordered.
-    pub releases: u64,
+    /// How many stops and releases there had been on the desk when it was ordered.
+    pub counts: Counts,
     /// Where the outcome goes.
     pub reply: Box<dyn FnOnce(Outcome) + Send>,
 }
@@ -251,8 +251,11 @@ impl<L: Line> Session<L> {
             Outcome::Error("another window has control: take it first".to_owned())
         } else if self.state.tuning.is_some() && !ticket.order.is_for_watchers() {
             Outcome::Error("the motor is being measured: stop it first".to_owned())
+        } else if ticket.order.moves() && self.desk.counts().stops != ticket.counts.stops {
+            // Stops do not wait in the queue that it has waited in.
+            Outcome::Error("a stop came behind it: it was not begun".to_owned())
         } else {
-            match self.perform(&ticket.order, ticket.releases) {
+            match self.perform(&ticket.order, ticket.counts.releases) {
                 Ok(answer) => Outcome::Done(answer),
                 Err(Problem::Stopped) => Outcome::Error("the panel ends".to_owned()),
                 Err(problem) => Outcome::Error(problem.line().unwrap_or_default()),

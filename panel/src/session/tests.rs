@@ -89,7 +89,7 @@ impl Bench {
         let ticket = Ticket {
             window,
             order,
-            releases: self.desk.counts().releases,
+            counts: self.desk.counts(),
             reply: Box::new(move |outcome| reply.send(outcome).unwrap()),
         };
         self.tickets.try_send(ticket).unwrap();

@@ -25,6 +25,18 @@ pub(super) struct Known {
 
 impl<L: Line> Session<L> {
     pub(super) fn tune(&mut self, wish: TuningWish) -> Result<Answer, Problem> {
+        self.is_ended = false;
+        let tuned = self.begin_tuning(wish);
+        self.state.tuning = None;
+        // What broke it off is told, and not where it was just then.
+        if tuned.is_err() && (self.is_ended || self.master.line_mut().urgent().stop) {
+            let text = "the measurement was stopped, and everything is as it was";
+            return Err(Problem::Failed(text.to_owned()));
+        }
+        tuned
+    }
+
+    fn begin_tuning(&mut self, wish: TuningWish) -> Result<Answer, Problem> {
         let usage = |text: &str| Err(Problem::Usage(text.to_owned()));
         let node = self.tunable()?;
         if wish
@@ -55,20 +67,13 @@ impl<L: Line> Session<L> {
             step: wish.step,
         };
         let usual = self.master.answer_time();
-        self.is_ended = false;
         let mut tuner = Tuner {
             parts: parts(&wish),
             session: self,
         };
         let found = tuning::tune(&mut tuner, &node, &wanted);
-        self.state.tuning = None;
         self.master.set_answer_time(usual);
         self.master.line_mut().set_interruptible(true);
-        // What broke it off is told, and not where it was just then.
-        if found.is_err() && std::mem::take(&mut self.is_ended) {
-            let text = "the measurement was stopped, and everything is as it was";
-            return Err(Problem::Failed(text.to_owned()));
-        }
         let Found {
             motor,
             response,

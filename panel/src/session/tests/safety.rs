@@ -1,6 +1,7 @@
 //! What keeps a person safe: stop, jog, the guard by 1016h, the last window.
 
 use super::*;
+use crate::desk::Counts;
 use crate::message::NmtOrder;
 
 #[test]
@@ -45,7 +46,7 @@ fn a_button_that_is_up_again_moves_nothing() {
     let ticket = Ticket {
         window: bench.window,
         order: Order::Jog { velocity: 4_000 },
-        releases: bench.desk.counts().releases,
+        counts: bench.desk.counts(),
         reply: Box::new(move |outcome| reply.send(outcome).unwrap()),
     };
     bench.tickets.try_send(ticket).unwrap();
@@ -57,6 +58,30 @@ fn a_button_that_is_up_again_moves_nothing() {
         Outcome::Done(Answer::Text("released".to_owned()))
     );
     assert_eq!(bench.written(0x60FF, 0, 4_000), None);
+}
+
+#[test]
+fn an_order_that_a_stop_has_overtaken_moves_nothing() {
+    let mut bench = Bench::chosen();
+    for order in [Order::Enable, go(1_000, None), Order::Home] {
+        let (reply, outcome) = channel();
+        let ticket = Ticket {
+            window: bench.window,
+            order,
+            counts: bench.desk.counts(),
+            reply: Box::new(move |outcome| reply.send(outcome).unwrap()),
+        };
+        bench.tickets.try_send(ticket).unwrap();
+        bench.desk.stop();
+        bench.run_for(300);
+        assert_eq!(
+            outcome.try_recv().unwrap(),
+            Outcome::Error("a stop came behind it: it was not begun".to_owned())
+        );
+        assert_eq!(bench.drive().state, Some(DriveState::SwitchOnDisabled));
+    }
+    // The next one counts again.
+    bench.done(Order::Enable);
 }
 
 #[test]
@@ -81,7 +106,7 @@ fn a_stop_waits_for_no_answer() {
             node: NODE,
             object: "1008".to_owned(),
         },
-        releases: 0,
+        counts: Counts::default(),
         reply: Box::new(move |outcome| reply.send(outcome).unwrap()),
     };
     bench.tickets.try_send(ticket).unwrap();

@@ -4,6 +4,7 @@ use sim::ServoDrive;
 use sim::plant::{Axis, ServoAxisData};
 
 use super::*;
+use crate::desk::Counts;
 use crate::message::{Tuned, TuningWish, Wish};
 
 impl Bench {
@@ -35,7 +36,7 @@ impl Bench {
         let ticket = Ticket {
             window: self.window,
             order,
-            releases: self.desk.counts().releases,
+            counts: self.desk.counts(),
             reply: Box::new(move |outcome| reply.send(outcome).unwrap()),
         };
         self.tickets.try_send(ticket).unwrap();
@@ -153,7 +154,7 @@ fn a_measurement_shows_the_drive_and_refuses_what_else_moves_it() {
     let ticket = Ticket {
         window: second,
         order: read("6064"),
-        releases: 0,
+        counts: Counts::default(),
         reply: Box::new(move |outcome| asked.send(outcome).unwrap()),
     };
     bench.tickets.try_send(ticket).unwrap();
