@@ -132,7 +132,7 @@ pub fn loops(config: DriveConfig) -> Result<(), Implausible> {
                 };
                 look(stage.0.push(record).is_ok().into());
             }
-            7 => look(control.stop(&mut stage, &mut exchange).into()),
+            7 => look(control.stop(any(), &mut stage, &mut exchange).into()),
             8 => control.refill(&mut stage),
             _ => {
                 let (now, next) = control.tick(any(), any() == 0, &mut stage, &mut exchange);
