@@ -183,10 +183,11 @@ fn run_command(target: &str, corpus: &Path) -> Result<Command> {
         _ => LONGEST,
     };
     let mut command = Command::new(program(target)?);
+    // The longest inputs of `master` take a second of the processor, which others may be using too.
     command
         .arg(corpus)
         .args([format!("-max_len={longest}")])
-        .args(["-len_control=0", "-timeout=10"])
+        .args(["-len_control=0", "-timeout=60"])
         .arg(format!(
             "-artifact_prefix={}",
             artifacts.join(format!("{target}-")).display()
