@@ -66,7 +66,7 @@ fn m45_a_velocity_is_kept_under_a_load() {
 }
 
 #[test]
-fn m45_homing_by_the_present_position_and_on_a_block() {
+fn m45_homing_by_the_present_position() {
     let mut drive = enabled("servo_100w", 6);
     drive.write_i32(0x607C, 0, 500);
     drive.write_i8(0x6098, 0, 37);

@@ -447,3 +447,41 @@ fn m45_the_way_of_a_stepper_is_taken_over_without_power_only() {
         );
     }
 }
+
+#[test]
+fn m45_homing_on_a_hard_stop_finds_it_by_the_torque() {
+    for (name, way) in [
+        ("servo_100w", 0),
+        ("nema17", 0),
+        ("nema17", AT_REST),
+        ("nema17", AT_ONCE),
+    ] {
+        let mut drive = held(name, way);
+        drive.write_u16(0x60E0, 0, 500);
+        drive.write_i8(0x6098, 0, -3);
+        drive.write_u32(0x6099, 1, 4_000);
+        drive.write_u32(0x6099, 2, 1_000);
+        drive.write_u32(0x609A, 0, 100_000);
+        let mut drive = enable(drive, 6);
+        drive.command(0x1F);
+        let mut passed = 0;
+        while drive.statusword() & 0x1000 == 0 {
+            drive.run_micros(250);
+            if drive.position() >= 1_000 {
+                hold(&mut drive);
+            }
+            passed += 1;
+            assert_eq!(drive.statusword() & 0x2000, 0, "{name}, way {way}");
+            assert!(passed < 16_000, "{name}, way {way}");
+        }
+        let stop = drive.position();
+        assert!((1_000..1_010).contains(&stop), "{name}, way {way}: {stop}");
+        drive.run_millis(20);
+        drive.plant().load_brake = 0.0;
+        drive.run_millis(300);
+        assert_eq!(drive.statusword() & 0x3400, 0x1400, "{name}, way {way}");
+        let (stands, actual) = (drive.position(), drive.read_i32(0x6064, 0));
+        assert!((stands - stop).abs() <= 2, "{name}, way {way}: {stands}");
+        assert!(actual.abs() <= 2, "{name}, way {way}: 6064h is {actual}");
+    }
+}

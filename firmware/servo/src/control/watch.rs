@@ -2,7 +2,7 @@
 
 use super::{ControlConfig, Fault, Seen};
 use crate::interrupt::CurrentInterrupt;
-use crate::motor::{Implausible, Motor};
+use crate::motor::{Implausible, Motor, Wiring};
 use crate::number::{between, fade, is_within, root};
 use crate::protection::{Blocked, PhaseLoss};
 use crate::transform::{Rotor, Stator};
@@ -121,11 +121,13 @@ impl Watch {
         if let Some(reading) =
             self.stands_still(phases(carried), phases(asked), phases(acts), seen.bus)
         {
-            let is_nothing = reading.abs() < NOTHING * self.motor.rated_current;
-            return Some(match is_nothing {
-                true => Fault::PhaseLost,
-                false => Fault::CurrentSensor,
-            });
+            if reading.abs() < NOTHING * self.motor.rated_current {
+                return Some(Fault::PhaseLost);
+            }
+            // Of three the sum tells, and where one is cut the others may stand still.
+            if self.motor.wiring == Wiring::TwoPhase {
+                return Some(Fault::CurrentSensor);
+            }
         }
         // A magnet that turns where the encoder stands drives what the model does not know.
         let unknown = root(unknown.square());
