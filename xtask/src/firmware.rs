@@ -55,6 +55,8 @@ pub enum Image {
     BasicDeviceForSize,
     /// The core alone, with a panic handler that does not link: proof that no panic path is left.
     NoPanic,
+    /// The same with the axis and the data sheet of a servo.
+    NoPanicServo,
 }
 
 impl Image {
@@ -66,7 +68,7 @@ impl Image {
             }
             Self::Bench => "bench",
             Self::BasicDevice | Self::BasicDeviceForSize => "basic-device",
-            Self::NoPanic => "no-panic",
+            Self::NoPanic | Self::NoPanicServo => "no-panic",
         }
     }
 
@@ -83,7 +85,7 @@ impl Image {
         match self {
             Self::Board | Self::BasicDevice => &[],
             Self::NoPanic | Self::Whole => &["--no-default-features", "--features", WHOLE],
-            Self::Odrive => &["--no-default-features", "--features", ODRIVE],
+            Self::Odrive | Self::NoPanicServo => &["--no-default-features", "--features", ODRIVE],
             Self::Compact | Self::Least | Self::BasicDeviceForSize => {
                 &["--no-default-features", "--features", "stm32f405"]
             }
@@ -94,7 +96,7 @@ impl Image {
     /// Its board: the folder in `firmware/app/src/board`.
     pub fn board(self) -> &'static str {
         match self {
-            Self::Odrive => "odrive36",
+            Self::Odrive | Self::NoPanicServo => "odrive36",
             Self::Qemu | Self::Bench => "qemu",
             _ => "stm32f405",
         }
@@ -138,6 +140,7 @@ impl Image {
             Self::BasicDevice => "basic-device.elf",
             Self::BasicDeviceForSize => "basic-device-for-size.elf",
             Self::NoPanic => "no-panic.elf",
+            Self::NoPanicServo => "no-panic-servo.elf",
         };
         place::target().join("xtask").join(name)
     }

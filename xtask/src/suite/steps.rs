@@ -379,7 +379,7 @@ fn documentation() -> [Command; 1] {
     [host]
 }
 
-/// Builds every image of the drive, and the dictionaries of the other data sheets; each is one check. The first image links only
+/// Builds every image of the drive, and the dictionaries of the other data sheets; each is one check. The first two link only
 /// if no panic path is left in the core.
 fn images() -> Result<Count> {
     let mut dictionaries = cargo(&["build", "--profile", PROFILE, "--package", "products"]);
@@ -387,6 +387,7 @@ fn images() -> Result<Count> {
     let mut sum = checks([dictionaries])?;
     for image in [
         Image::NoPanic,
+        Image::NoPanicServo,
         Image::Board,
         Image::Odrive,
         Image::Compact,

@@ -21,7 +21,7 @@ use cia402::binding::{self, Conversion, Number};
 use cia402::cyclic::TickTimer;
 use cia402::inputs::{self, Capture, Captured, DigitalInputs, Edges};
 use cia402::recorder::{Memory, Recorder};
-use cia402::{Device, Drive, DriveConfig, Exchange, Inputs, Share};
+use cia402::{Device, Drive, DriveConfig, Emitter, Exchange, Inputs, ServoAxis, Share, StepAxis};
 use cortex_m_rt::entry;
 // Only for the linker script of the firmware, which expects its symbols.
 use defmt as _;
@@ -77,6 +77,38 @@ impl od::Dictionary for Everything {
 
     fn ram_mut(&mut self) -> &mut [u8] {
         self.0.ram_mut()
+    }
+}
+
+/// What moves the motor, as the board and its data sheet have it.
+#[cfg(not(feature = "odrive36"))]
+type Axis402 = StepAxis;
+#[cfg(feature = "odrive36")]
+type Axis402 = ServoAxis;
+
+/// How a drive is made with it.
+trait Moving: Sized {
+    fn drive(config: DriveConfig) -> Drive<Dictionary, Self>;
+    fn control(config: DriveConfig) -> runtime::Control<Dictionary, &'static Memory, Self>;
+}
+
+impl Moving for StepAxis {
+    fn drive(config: DriveConfig) -> Drive<Dictionary, Self> {
+        Drive::new(config)
+    }
+
+    fn control(config: DriveConfig) -> runtime::Control<Dictionary, &'static Memory, Self> {
+        runtime::Control::new(config, &SCOPE)
+    }
+}
+
+impl Moving for ServoAxis {
+    fn drive(config: DriveConfig) -> Drive<Dictionary, Self> {
+        Drive::servo(config, || Emitter::new(config))
+    }
+
+    fn control(config: DriveConfig) -> runtime::Control<Dictionary, &'static Memory, Self> {
+        runtime::Control::servo(config, &SCOPE)
     }
 }
 
@@ -360,7 +392,10 @@ fn any_inputs() -> Inputs {
 #[inline(never)]
 fn drive(
     device: &mut Device<Dictionary, Machine<[u8; 64], &'static Memory>>,
-    (drive, recorder): (&mut Drive<Dictionary>, &mut Recorder<&'static Memory>),
+    (drive, recorder): (
+        &mut Drive<Dictionary, Axis402>,
+        &mut Recorder<&'static Memory>,
+    ),
     exchange: &mut impl Share,
     outbox: &mut Outbox<3>,
 ) {
@@ -456,7 +491,7 @@ fn main() -> ! {
             refills: any(),
         };
         let mut hosted = Hosted::new(drive_config);
-        let mut driver: Drive<Dictionary> = Drive::new(drive_config);
+        let mut driver = Axis402::drive(drive_config);
         let mut recorder =
             Recorder::new(&SCOPE as &'static Memory, Duration::from_ticks(any_u64()));
         while any() != 0 {

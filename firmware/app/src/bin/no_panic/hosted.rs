@@ -13,13 +13,13 @@ use runtime::{
 use super::dictionary::Dictionary;
 use super::{
     any, any_controller_state, any_frame, any_inputs, any_result, any_time, look, AnyMailboxes,
-    AnyStore, Sink, SCOPE,
+    AnyStore, Axis402, Moving, Sink, SCOPE,
 };
 
 /// A host.
 pub struct Hosted {
     node: Node<Dictionary, Machine<[u8; 64], &'static Memory>, AnyStore>,
-    control: Control<Dictionary, &'static Memory>,
+    control: Control<Dictionary, &'static Memory, Axis402>,
     panel: Panel<AnyLights>,
     around: Around,
 }
@@ -36,7 +36,7 @@ impl Hosted {
         let rates = AnyController::BIT_RATES;
         Self {
             node: Node::new(Dictionary::new(), machine, &power_on, any(), rates, store),
-            control: Control::new(config, &SCOPE),
+            control: Axis402::control(config),
             panel: Panel::new(AnyLights),
             around: Around(Exchange::new()),
         }

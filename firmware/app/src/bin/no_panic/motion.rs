@@ -1,5 +1,6 @@
 //! Everything `motion` offers: plans, axes, homing, and the pulses on their way to a timer.
 
+use cia402::{ServoGoal, ServoOrder, ServoPort, ServoReport};
 use motion::advanced_timer::{Output, Register, Registers};
 use motion::homing::{self, Homing, Method};
 use motion::step_interrupt::{Edge, Player, RecordQueue, StepTimer};
@@ -67,6 +68,31 @@ impl PulseSink for Sink {
 
     fn free(&self) -> usize {
         any() as usize
+    }
+}
+
+impl ServoPort for Sink {
+    fn order(&mut self, order: &ServoOrder) {
+        look(order.current ^ order.torque as u32 ^ order.most.0 ^ order.most.1);
+        if let ServoGoal::Position { counts, part, .. } = order.goal {
+            look(counts as u32 ^ part);
+        }
+    }
+
+    fn report(&self) -> ServoReport {
+        ServoReport {
+            counts: any_u64() as i64,
+            velocity: SignedSpeed::from_bits(any_u64() as i64),
+            demand: any() as i32,
+            torque: any() as i32,
+            current: any() as i32,
+            is_limited: any() == 0,
+            wants_free: any() == 0,
+        }
+    }
+
+    fn forget(&mut self) {
+        look(0);
     }
 }
 

@@ -4,15 +4,14 @@ use ::servo::interrupt::Counts;
 use ::servo::stage::drv8301::{Gain, Settings};
 use ::servo::stage::{sensors, thermistor, Counter, GateDriver};
 use ::servo::Implausible;
-use cia402::recorder::Memory;
-use cia402::{DriveConfig, Exchange, Inputs, Outputs, ServoAxis};
+use cia402::{DriveConfig, Exchange, Inputs, Outputs};
 use motion::{PulseSink, Record};
 use runtime::servo::{Current, Desk, Link, Loops, Port, ServoData, StageData};
-use runtime::{Control, PowerStage};
+use runtime::PowerStage;
 
 use super::dictionary::Dictionary;
 use super::servo::{angle, motor, number};
-use super::{any, any_inputs, any_time, any_u64, look, SCOPE};
+use super::{any, any_inputs, any_time, any_u64, look, Axis402, Moving};
 
 static LINK: Link = Link::new();
 
@@ -77,8 +76,7 @@ pub fn loops(config: DriveConfig) -> Result<(), Implausible> {
     let mut dictionary = Dictionary::new();
     let mut stage = AnyServo(Port::new(&LINK, any(), any() as u16));
     let mut exchange = Exchange::new();
-    let mut control: Control<Dictionary, &'static Memory, ServoAxis> =
-        Control::servo(config, &SCOPE);
+    let mut control = Axis402::control(config);
     let settings = Settings {
         limit: any() as u8,
         gain: Gain::Forty,
