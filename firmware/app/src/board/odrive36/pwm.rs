@@ -128,6 +128,11 @@ impl Bridges {
         if core::mem::replace(&mut self.is_armed, true) && !has_tripped() {
             gates_on();
         }
+        // A trip between the look at it and the switch is seen here, one that comes later switches off itself.
+        if has_tripped() {
+            self.is_armed = false;
+            gates_off();
+        }
     }
 
     /// The share of the time for which the brake resistor burns.
@@ -147,7 +152,7 @@ impl Bridges {
 }
 
 fn gates_on() {
-    // SAFETY: the interrupt that calls this is the only one that sets the bit, and one above it clears it for good by [`trip`].
+    // SAFETY: the interrupt that calls this is the only one that sets the bit; who clears it meanwhile is looked for behind it.
     unsafe {
         (*pac::TIM1::ptr())
             .bdtr()
