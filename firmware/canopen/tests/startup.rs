@@ -3,6 +3,7 @@
 use crate::device::{Device, abort};
 use canopen::Event;
 use canopen::cia301::nmt::{NmtState, Reset};
+use canopen::outbox::Sender;
 
 /// What is sent and what is told at power-on with this value of 1F80h.
 fn power_on(startup: u32) -> (Vec<String>, Vec<Event>) {
@@ -90,4 +91,15 @@ fn n16_the_bits_of_an_nmt_master_are_refused() {
         device.ask("604: 23 80 1F 00 04 00 00 00"),
         ["584: 60 80 1F 00 00 00 00 00"]
     );
+}
+
+#[test]
+fn a_node_with_its_application_has_its_boot_up_message_to_send_and_no_more() {
+    let mut device = Device::off();
+    device.boot(Reset::Node);
+    let mut sender = (&mut device.node, &mut device.firmware);
+    let next = sender.pending().expect("the boot-up message");
+    assert_eq!(next.cob_id, 0x704);
+    assert!(sender.take(&next).is_some());
+    assert!(sender.pending().is_none());
 }
