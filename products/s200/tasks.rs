@@ -266,9 +266,8 @@ impl Tasks {
     /// Forgets those in flash.
     pub(super) fn forget_flash<D: Dictionary>(&mut self, dictionary: &mut D) {
         for number in (1..=FLASH).step_by(usize::from(EACH)) {
-            if let Some((sub, _)) = place(number)
-                && let Ok(entry) = od::find::<D>(MEMORY, sub)
-            {
+            let entry = place(number).and_then(|(sub, _)| od::find::<D>(MEMORY, sub).ok());
+            if let Some(entry) = entry {
                 od::put(dictionary, entry, &[0; SIZE * EACH as usize]);
             }
         }

@@ -111,6 +111,8 @@ impl Behaviour for () {
 }
 
 /// The number in an object; 0 if it has none.
+// Out of line: a module asks for many.
+#[inline(never)]
 pub fn number<D: Dictionary>(dictionary: &D, index: u16, sub: u8) -> i64 {
     od::find::<D>(index, sub)
         .ok()
@@ -119,6 +121,7 @@ pub fn number<D: Dictionary>(dictionary: &D, index: u16, sub: u8) -> i64 {
 }
 
 /// Puts a number into an object, whatever access a master has; of one that is too large the low bytes. No rule is asked.
+#[inline(never)]
 pub fn put_number<D: Dictionary>(dictionary: &mut D, index: u16, sub: u8, number: i64) {
     if let Ok(entry) = od::find::<D>(index, sub)
         && let Some(bytes) = number.to_le_bytes().get(..usize::from(entry.size()))
