@@ -85,47 +85,29 @@ impl Task {
         }
     }
 
+    /// From the lowest byte: target, speed, both times, the next task (nine bits) and its coding (seven), delay.
     fn bytes(&self) -> [u8; SIZE] {
-        let [t0, t1, t2, t3] = self.target.to_le_bytes();
-        let [s0, s1, s2, s3] = self.speed.to_le_bytes();
-        let [a0, a1] = self.acceleration.to_le_bytes();
-        let [d0, d1] = self.deceleration.to_le_bytes();
-        // Nine bits for the next task, seven for its coding.
-        let [n0, n1] = (self.next & 0x1FF | self.control << 9).to_le_bytes();
-        let [w0, w1] = self.delay.to_le_bytes();
-        [
-            t0, t1, t2, t3, s0, s1, s2, s3, a0, a1, d0, d1, n0, n1, w0, w1,
-        ]
+        let next = self.next & 0x1FF | self.control << 9;
+        let all = u128::from(self.target.cast_unsigned())
+            | u128::from(self.speed) << 32
+            | u128::from(self.acceleration) << 64
+            | u128::from(self.deceleration) << 80
+            | u128::from(next) << 96
+            | u128::from(self.delay) << 112;
+        all.to_le_bytes()
     }
 
     fn of(bytes: [u8; SIZE]) -> Self {
-        let [
-            t0,
-            t1,
-            t2,
-            t3,
-            s0,
-            s1,
-            s2,
-            s3,
-            a0,
-            a1,
-            d0,
-            d1,
-            n0,
-            n1,
-            w0,
-            w1,
-        ] = bytes;
-        let word = u16::from_le_bytes([n0, n1]);
+        let all = u128::from_le_bytes(bytes);
+        let next = (all >> 96) as u16;
         Self {
-            target: i32::from_le_bytes([t0, t1, t2, t3]),
-            speed: u32::from_le_bytes([s0, s1, s2, s3]),
-            acceleration: u16::from_le_bytes([a0, a1]),
-            deceleration: u16::from_le_bytes([d0, d1]),
-            control: word >> 9,
-            next: word & 0x1FF,
-            delay: u16::from_le_bytes([w0, w1]),
+            target: all as i32,
+            speed: (all >> 32) as u32,
+            acceleration: (all >> 64) as u16,
+            deceleration: (all >> 80) as u16,
+            control: next >> 9,
+            next: next & 0x1FF,
+            delay: (all >> 112) as u16,
         }
     }
 
@@ -349,7 +331,6 @@ impl Tasks {
         let before = self.phase;
         match self.phase {
             Phase::Idle => {}
-            // Until it is given.
             Phase::Given => return self.hands_over,
             Phase::UnderWay(ticks) if ticks < SETTLED => self.phase = Phase::UnderWay(ticks + 1),
             Phase::UnderWay(_) => self.look_ahead(dictionary, seen),
@@ -384,21 +365,15 @@ impl Tasks {
 
     /// What follows a task that is on its way.
     fn look_ahead<D: Dictionary>(&mut self, dictionary: &D, seen: &Seen) {
-        let follows = self.task.control & HAS_NEXT != 0;
         let is_reached = seen.statusword & REACHED != 0 && !seen.is_moving;
-        if !follows {
+        let follows = self.task.control & HAS_NEXT != 0;
+        let next = follows.then(|| self.get(dictionary, self.task.next));
+        let Some(next) = next.filter(Task::is_there) else {
             if is_reached {
                 self.cancel();
             }
             return;
-        }
-        let next = self.get(dictionary, self.task.next);
-        if !next.is_there() {
-            if is_reached {
-                self.cancel();
-            }
-            return;
-        }
+        };
         self.next = (self.task.next, next);
         if self.task.control & WITHOUT_STOP != 0 {
             if !is_reached {

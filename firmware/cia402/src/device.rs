@@ -12,6 +12,7 @@
 //! latest. While the motor has power the device goes on as it was: heartbeat, emergency messages and process data tell of the stop, "disable
 //! voltage" ends it at once, and so does a second reset. Reset node also resets a fault; reset communication leaves it, and 1001h shows it.
 
+mod behaviour;
 mod commissioning;
 mod controller;
 mod fleeting;
@@ -379,32 +380,6 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
         configuration.cyclic.is_measured = !self.hooks.has_period();
         self.hooks.set_units(configuration.units);
         exchange.lock(|exchange| exchange.configure(&configuration));
-    }
-
-    /// Does what the module of the product asks for.
-    #[inline]
-    fn heed_behaviour(&mut self, now: Instant) {
-        if !D::Behaviour::IS_THERE {
-            return;
-        }
-        let asks = self.hooks.behaviour.asks();
-        if asks.configuration {
-            self.hooks.touch();
-        } else if asks.commands {
-            self.hooks.touch_commands();
-        }
-        if asks.reset && self.phase == Phase::Running {
-            self.phase = Phase::Stopping(Reset::Node);
-            self.hooks.touch();
-        }
-        if let Some((index, sub)) = asks.order {
-            self.node.order(index, sub);
-        }
-        match asks.error {
-            Some((code, true)) => self.node.report(emergency(code), now),
-            Some((code, false)) => self.node.clear(code, now),
-            None => {}
-        }
     }
 
     /// Posts commands if something has changed.

@@ -1,0 +1,38 @@
+//! What the module of a product asks for beside commands.
+
+use canopen::cia301::nmt::Reset;
+use canopen::od::Dictionary;
+use canopen::{Application, Instant};
+
+use super::{Device, Phase};
+use crate::behaviour::Behaviour;
+use crate::faults::emergency;
+use crate::objects::Objects;
+
+impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
+    /// Does what the module of the product asks for.
+    #[inline]
+    pub(super) fn heed_behaviour(&mut self, now: Instant) {
+        if !D::Behaviour::IS_THERE {
+            return;
+        }
+        let asks = self.hooks.behaviour.asks();
+        if asks.configuration {
+            self.hooks.touch();
+        } else if asks.commands {
+            self.hooks.touch_commands();
+        }
+        if asks.reset && self.phase == Phase::Running {
+            self.phase = Phase::Stopping(Reset::Node);
+            self.hooks.touch();
+        }
+        if let Some((index, sub)) = asks.order {
+            self.node.order(index, sub);
+        }
+        match asks.error {
+            Some((code, true)) => self.node.report(emergency(code), now),
+            Some((code, false)) => self.node.clear(code, now),
+            None => {}
+        }
+    }
+}
