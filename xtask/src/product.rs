@@ -1,6 +1,7 @@
 //! The drives of other makers that an image can be: the folders of `products/`.
 
 use std::fs;
+use std::path::PathBuf;
 use std::process::{Command, ExitCode};
 use std::str::FromStr;
 
@@ -47,6 +48,12 @@ impl Product {
     /// The name of its folder.
     pub fn name(&self) -> &str {
         &self.0
+    }
+
+    /// Its behaviour that is no data, if it has any.
+    pub fn module(&self) -> PathBuf {
+        let name = &self.0;
+        place::root().join(format!("products/{name}/{name}.rs"))
     }
 
     /// Has the command build the firmware with this product's data sheet.

@@ -229,7 +229,7 @@ impl Played {
 /// When a program cannot be started.
 pub fn run(step: Step, ready: &Ready) -> Result<Run> {
     let count = match step {
-        Step::Format => checks([cargo(&["fmt", "--all", "--check"])])?,
+        Step::Format => checks([cargo(&["fmt", "--all", "--check"]), modules_formatted()])?,
         Step::Lint => checks(lints())?,
         Step::Docs => checks(documentation())?,
         Step::Host => {
@@ -330,6 +330,17 @@ pub fn run(step: Step, ready: &Ready) -> Result<Run> {
 fn cargo(arguments: &[&str]) -> Command {
     let mut command = place::cargo();
     command.args(arguments);
+    command
+}
+
+/// `cargo fmt` does not reach the modules of products, which are taken in by generated code.
+fn modules_formatted() -> Command {
+    let modules = Product::all().into_iter().map(|product| product.module());
+    let mut command = Command::new("rustfmt");
+    command
+        .args(["--edition", "2024", "--check"])
+        .args(modules.filter(|module| module.exists()))
+        .current_dir(place::root());
     command
 }
 
