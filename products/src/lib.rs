@@ -5,8 +5,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
-use canopen::od::Dictionary;
-use cia402::Objects;
+use cia402::Behaves;
 
 /// What there is to know of a product without its dictionary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,7 +26,7 @@ pub trait Visitor {
     /// Does it.
     fn visit<D>(self) -> Self::Output
     where
-        D: Dictionary + Objects + Default + core::fmt::Debug + 'static;
+        D: Behaves + Default + core::fmt::Debug + 'static;
 }
 
 include!(concat!(env!("OUT_DIR"), "/products.rs"));

@@ -9,13 +9,12 @@ mod setup;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use canopen::od::Dictionary;
 use canopen::settings::PowerOn;
 use canopen::time::NEVER;
 use canopen::{BitRate, ControllerState, Duration, Event, Frame, Instant};
 use cia402::recorder::Memory;
 use cia402::{
-    Actuals, Actuator, AtPort, Device, DriveConfig, Exchange, Objects, ServoAxis, StepAxis,
+    Actuals, Actuator, AtPort, Behaves, Device, DriveConfig, Exchange, Objects, ServoAxis, StepAxis,
 };
 use motion::{AxisConfig, Clock, DriverTiming};
 use runtime::servo::Desk;
@@ -50,7 +49,7 @@ pub struct MotionSample {
 
 /// A drive with the dictionary `D` of its firmware; on power it boots, then it lives on frames and time.
 #[derive(Debug)]
-pub struct VirtualDrive<D: Dictionary + Objects, A = StepAxis> {
+pub struct VirtualDrive<D: Behaves, A = StepAxis> {
     serial_number: u32,
     power_up: PowerUp,
     powered: bool,
@@ -69,7 +68,7 @@ pub struct VirtualDrive<D: Dictionary + Objects, A = StepAxis> {
     desk: Desk,
 }
 
-impl<D: Dictionary + Objects + Default, A: Moving> VirtualDrive<D, A> {
+impl<D: Behaves + Default, A: Moving> VirtualDrive<D, A> {
     /// A drive without power; it gets it when it is polled for the first time.
     pub fn new(setup: Setup) -> Self {
         let now = Instant::from_ticks(0);
@@ -271,7 +270,7 @@ impl<D: Dictionary + Objects + Default, A: Moving> VirtualDrive<D, A> {
 impl<D, A> Station for VirtualDrive<D, A>
 where
     A: Moving,
-    D: Dictionary + Objects + Default + std::fmt::Debug + 'static,
+    D: Behaves + Default + std::fmt::Debug + 'static,
 {
     fn receive(&mut self, frame: &Frame, now: Instant) {
         self.run_until(now);
@@ -330,7 +329,7 @@ where
 type BusNode<D> = Node<D, Machine, FactoryStore>;
 
 /// Both halves of a drive that has just got power.
-fn firmware<D: Dictionary + Objects + Default, A: Moving>(
+fn firmware<D: Behaves + Default, A: Moving>(
     serial_number: u32,
     power_up: &PowerUp,
     mut store: Option<FactoryStore>,
@@ -368,7 +367,7 @@ impl Moving for ServoAxis {
 }
 
 /// The controller of a node that has just got power.
-fn controller<D: Dictionary + Objects>(node: &BusNode<D>) -> Controller {
+fn controller<D: Behaves>(node: &BusNode<D>) -> Controller {
     Controller::new(node.device().node().settings().bit_rate)
 }
 

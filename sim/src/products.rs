@@ -4,9 +4,9 @@
 
 use std::sync::Arc;
 
-use canopen::od::{self, Dictionary};
+use canopen::od;
 use canopen::{Configuration, Event, NodeId};
-use cia402::{Objects, StepAxis};
+use cia402::{Behaves, StepAxis};
 use master::bus::Station;
 use master::data_sheet::DataSheet;
 
@@ -45,7 +45,7 @@ pub trait Drive: Station {
 impl<D, A> Drive for VirtualDrive<D, A>
 where
     A: Moving,
-    D: Dictionary + Objects + Default + std::fmt::Debug + 'static,
+    D: Behaves + Default + std::fmt::Debug + 'static,
 {
     fn node_id(&self) -> NodeId {
         self.device().node().settings().node_id
@@ -131,7 +131,7 @@ impl products::Visitor for Factory {
 
     fn visit<D>(self) -> Configuration
     where
-        D: Dictionary + Objects + Default + std::fmt::Debug + 'static,
+        D: Behaves + Default + std::fmt::Debug + 'static,
     {
         D::HABITS.factory
     }
@@ -144,7 +144,7 @@ impl products::Visitor for Make {
 
     fn visit<D>(self) -> Box<dyn Drive>
     where
-        D: Dictionary + Objects + Default + std::fmt::Debug + 'static,
+        D: Behaves + Default + std::fmt::Debug + 'static,
     {
         Box::new(VirtualDrive::<D, StepAxis>::new(self.0))
     }

@@ -1,8 +1,7 @@
 //! The virtual drive on the bus, with the words of CiA 402.
 
 use canopen::Frame;
-use canopen::od::Dictionary;
-use cia402::Objects;
+use cia402::Behaves;
 use master::bus::Station;
 use sim::drive::{Moving, Setup, VirtualDrive};
 use sim::plant::{Axis, ServoAxisData};
@@ -86,7 +85,7 @@ pub const ACKNOWLEDGE: u16 = 1 << 12;
 
 impl<D, A> Line<VirtualDrive<D, A>>
 where
-    D: Dictionary + Objects + Default,
+    D: Behaves + Default,
     A: Moving,
     VirtualDrive<D, A>: Station,
 {

@@ -105,6 +105,11 @@ pub trait Behaviour: Default + core::fmt::Debug + 'static {
     }
 }
 
+/// A dictionary whose drive has a behaviour: every one that `od-gen` makes.
+pub trait Behaves: Dictionary + Objects<Behaviour: Behaviour> {}
+
+impl<D: Dictionary + Objects<Behaviour: Behaviour>> Behaves for D {}
+
 /// A drive that does what CiA 402-2 says.
 impl Behaviour for () {
     const IS_THERE: bool = false;

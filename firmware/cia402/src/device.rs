@@ -24,13 +24,13 @@ use canopen::cia301::nmt::{NmtState, Reset};
 use canopen::cia301::sdo::AbortCode;
 use canopen::cia301::sync;
 use canopen::node::StoreError;
-use canopen::od::{self, Dictionary};
+use canopen::od::{self};
 use canopen::outbox::{Pending, Sender};
 use canopen::settings::Source;
 use canopen::{Application, BitRate, Counters, Duration, Event, Frame, Instant, Node, Settings};
 
 use crate::actuator::TORQUE_MODES;
-use crate::behaviour::{Behaviour, View};
+use crate::behaviour::{Behaves, Behaviour, View};
 use crate::configuration::Configuration;
 use crate::cyclic::SyncStatus;
 use crate::exchange::{Actuals, Exchange, Share};
@@ -65,7 +65,7 @@ enum Phase {
 /// A CANopen node with the hooks of the drive objects, and with an application `A` of the firmware for everything that a drive
 /// does not say: streamed objects (DOMAIN), objects of the manufacturer, further rules.
 #[derive(Debug)]
-pub struct Device<D: Dictionary + Objects, A = ()> {
+pub struct Device<D: Behaves, A = ()> {
     node: Node<D>,
     hooks: Hooks<A, D::Behaviour>,
     phase: Phase,
@@ -88,14 +88,14 @@ pub struct Device<D: Dictionary + Objects, A = ()> {
     calls_early: bool,
 }
 
-impl<D: Dictionary + Objects> Device<D> {
+impl<D: Behaves> Device<D> {
     /// A device that has just been powered; call [`Device::power_on`] next. `serial_number` becomes 1018h:4.
     pub fn new(dictionary: D, settings: Settings, serial_number: u32) -> Self {
         Self::with_application(dictionary, settings, serial_number, ())
     }
 }
 
-impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
+impl<D: Behaves, A: Application<D>> Device<D, A> {
     /// The same with an application, which hears of every write that the drive allows (its rules come first), and serves the
     /// streamed objects. What it writes to objects of the drive is seen with the next write of one by the network.
     pub fn with_application(
@@ -411,7 +411,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
     }
 }
 
-impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
+impl<D: Behaves, A: Application<D>> Device<D, A> {
     /// Tells of the SYNC, or the set-point where there is none, that came at `stamp`.
     fn sync_event<X: Share>(&mut self, stamp: Instant, exchange: &mut X) {
         let is_sync = self.node.take_sync();
@@ -437,7 +437,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
     }
 }
 
-impl<D: Dictionary + Objects, A: Application<D>> Sender for Device<D, A> {
+impl<D: Behaves, A: Application<D>> Sender for Device<D, A> {
     fn pending(&self) -> Option<Pending> {
         self.node.pending()
     }

@@ -65,7 +65,7 @@ pub use actuator::{
     Actuator, AtPort, Emitter, EmitterLock, ServoAxis, ServoGoal, ServoOrder, ServoPort,
     ServoReport, StepAxis,
 };
-pub use behaviour::Behaviour;
+pub use behaviour::{Behaves, Behaviour};
 pub use board::{DriveConfig, Inputs, Outputs};
 pub use cia402_parameters::{self as parameters, Features, Habits, NetworkObjects, Parameter};
 pub use commands::{Commands, SetPoint};

@@ -5,7 +5,6 @@
 use canopen::cia301::sdo::AbortCode;
 use canopen::od::Entry;
 
-use crate::behaviour::Behaviour;
 use cia402_parameters::{Features, Habits, Parameter, every_parameter};
 
 /// Makes the trait of the table: a getter with the value that counts where a data sheet leaves the object out, or a setter that does
@@ -29,8 +28,8 @@ macro_rules! objects {
             /// The data sheet, which 1021h gives to whoever asks; empty where there is no such object.
             const DATA_SHEET: &'static [u8] = &[];
 
-            /// What it does that is no data; `()` for nothing.
-            type Behaviour: Behaviour;
+            /// What it does that is no data (a [`Behaviour`](crate::Behaviour)); `()` for nothing.
+            type Behaviour;
 
             $($(object! {
                 #[doc = concat!("Object ", stringify!($index), ":", $sub, ". ")]

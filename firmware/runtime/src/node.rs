@@ -20,7 +20,7 @@ use canopen::cia301::nmt::NmtState;
 use canopen::cia303::{Pattern, Signal};
 use canopen::cia305::Detection;
 use canopen::node::StoreError;
-use canopen::od::{self, Dictionary};
+use canopen::od;
 use canopen::outbox::Mailboxes;
 use canopen::settings::PowerOn;
 use canopen::time::NEVER;
@@ -28,7 +28,7 @@ use canopen::{
     Application, BitRate, BitTiming, Configuration, ControllerState, Duration, Event, Instant,
     Outbox, Settings,
 };
-use cia402::{Device, DriveSignal, Objects, Share};
+use cia402::{Behaves, Device, DriveSignal, Share};
 
 use crate::inbox::DEPTH;
 use crate::indicator::Signals;
@@ -47,7 +47,7 @@ const ERROR_CODE: u16 = 0x603F;
 
 /// The CANopen device with the dictionary `D` and the application `A`, and what belongs to its task; it stores in `S`.
 #[derive(Debug)]
-pub struct Node<D: Dictionary + Objects, A, S> {
+pub struct Node<D: Behaves, A, S> {
     device: Device<D, A>,
     /// `None` on a host without a store.
     store: Option<S>,
@@ -75,7 +75,7 @@ pub struct Node<D: Dictionary + Objects, A, S> {
 
 impl<D, A, S> Node<D, A, S>
 where
-    D: Dictionary + Objects,
+    D: Behaves,
     A: Application<D>,
     S: Storage,
 {

@@ -1,6 +1,6 @@
 //! A drive with a servo measures its motor, and how its loops answer (20C0h to 20C2h, `docs/servo.md`).
 //!
-//! The motor moves. What is changed for it is put back, and the motor has no power then; what is found is written only by [`write`]. Who wants
+//! The motor moves. What is changed for it is put back, and the motor has no power then; what is found is written only by [`write()`]. Who wants
 //! it is a [`Host`]: it has the master, lets time pass, and may end the work at any moment.
 
 mod bench;

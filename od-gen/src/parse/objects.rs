@@ -367,6 +367,10 @@ fn check_sub_0(
         .next_back();
     let highest = present.max(unread.map_or(0, |(_, sub)| *sub));
     if broken.entries.contains(&(index, 0)) {
+        // It has been told why; the object has one all the same.
+        if object.entry(0).is_none() {
+            add_sub_0(object, present, section.span);
+        }
         return;
     }
     let Some(first) = object.entry(0) else {

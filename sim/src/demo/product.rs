@@ -1,8 +1,7 @@
 //! The demonstration of another maker's drive, or of the drive with a servo: with what its data sheet gives it, by SDO alone.
 
-use canopen::od::Dictionary;
 use canopen::{BitRate, Duration};
-use cia402::{Objects, StepAxis};
+use cia402::{Behaves, StepAxis};
 
 use super::{Chapter, Story, TARGET};
 use crate::ServoDrive;
@@ -61,7 +60,7 @@ impl products::Visitor for Play {
 
     fn visit<D>(self) -> Self::Output
     where
-        D: Dictionary + Objects + Default + std::fmt::Debug + 'static,
+        D: Behaves + Default + std::fmt::Debug + 'static,
     {
         let setup = Setup::with_node_id(SERIAL_NUMBER, self.0);
         let mut script = Script::on(VirtualDrive::<D, StepAxis>::new(setup), self.0);
@@ -74,7 +73,7 @@ impl products::Visitor for Play {
     }
 }
 
-struct Script<D: Dictionary + Objects, A> {
+struct Script<D: Behaves, A> {
     master: Master,
     drive: Handle<VirtualDrive<D, A>>,
     node: u8,
@@ -85,7 +84,7 @@ struct Script<D: Dictionary + Objects, A> {
 
 impl<D, A> Script<D, A>
 where
-    D: Dictionary + Objects + Default + std::fmt::Debug + 'static,
+    D: Behaves + Default + std::fmt::Debug + 'static,
     A: Moving,
 {
     fn on(mut drive: VirtualDrive<D, A>, node: u8) -> Self {

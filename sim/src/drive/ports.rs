@@ -8,7 +8,7 @@ use canopen::outbox::{Mailboxes, Room};
 use canopen::{BitRate, ControllerState, Event, Frame, Instant};
 use cia402::inputs::DigitalInputs;
 use cia402::recorder::Memory;
-use cia402::{Exchange, Inputs, Objects, Outputs, Share};
+use cia402::{Behaves, Exchange, Inputs, Outputs, Share};
 use runtime::{Control, Host, PowerStage, Reception, Stamped, Unreachable};
 
 use crate::plant::{Plant, PulsePlayer, Sensed, ServoMotor, WIRES};
@@ -195,7 +195,7 @@ impl<D, A> Share for Tasks<'_, D, A> {
     }
 }
 
-impl<D: Objects, A: Moving> Host for Tasks<'_, D, A> {
+impl<D: Behaves, A: Moving> Host for Tasks<'_, D, A> {
     fn now(&self) -> Instant {
         self.now
     }

@@ -1,15 +1,13 @@
 //! What the module of a product asks for beside commands.
 
 use canopen::cia301::nmt::Reset;
-use canopen::od::Dictionary;
 use canopen::{Application, Instant};
 
 use super::{Device, Phase};
-use crate::behaviour::Behaviour;
+use crate::behaviour::{Behaves, Behaviour};
 use crate::faults::emergency;
-use crate::objects::Objects;
 
-impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
+impl<D: Behaves, A: Application<D>> Device<D, A> {
     /// Does what the module of the product asks for.
     #[inline]
     pub(super) fn heed_behaviour(&mut self, now: Instant) {

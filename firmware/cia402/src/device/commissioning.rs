@@ -22,6 +22,7 @@ use canopen::settings::{PowerOn, Source, Wish};
 use canopen::{Application, BitTiming, Configuration, NodeId};
 
 use super::Device;
+use crate::behaviour::Behaves;
 use crate::exchange::Share;
 use crate::objects::Objects;
 use crate::protection::{NETWORK, PRODUCTION};
@@ -57,11 +58,7 @@ impl Commissioning {
     }
 
     /// Whether one of these objects may get a value.
-    pub(crate) fn check<D: Dictionary + Objects>(
-        &self,
-        entry: &Entry,
-        value: &[u8],
-    ) -> Result<(), AbortCode> {
+    pub(crate) fn check<D: Behaves>(&self, entry: &Entry, value: &[u8]) -> Result<(), AbortCode> {
         if let Some(setting) = setting::<D>(entry) {
             if self.settings.is_some() || setting == NODE_ID && !self.takes_node_id {
                 return Err(AbortCode::DeviceState);
@@ -87,7 +84,7 @@ impl Commissioning {
     }
 
     /// One of these objects was written. Returns whether the answer waits for the store.
-    pub(crate) fn written<D: Dictionary + Objects>(&mut self, dictionary: &D, entry: &Entry) {
+    pub(crate) fn written<D: Behaves>(&mut self, dictionary: &D, entry: &Entry) {
         if let Some(setting) = setting::<D>(entry) {
             let wish = wish::<D>(setting, od::value(dictionary, entry));
             self.settings = wish.map(|wish| (setting, wish));
@@ -138,7 +135,7 @@ const fn object<D: Objects>(setting: u8) -> (u16, u8) {
 }
 
 /// What the bytes of a setting ask for.
-fn wish<D: Dictionary + Objects>(setting: u8, value: &[u8]) -> Option<Wish> {
+fn wish<D: Behaves>(setting: u8, value: &[u8]) -> Option<Wish> {
     let number = match value {
         [number] if D::DRIVE_HABITS.network.are_own() => *number,
         _ if D::DRIVE_HABITS.network.are_own() => return None,
@@ -177,7 +174,7 @@ const fn timing<D: Dictionary>(index: u8) -> Option<BitTiming> {
     }
 }
 
-impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
+impl<D: Behaves, A: Application<D>> Device<D, A> {
     /// The same device after a power-on with these sources of node-ID and bit rate ([`canopen::Node::started`]); 5FF0h shows them.
     pub fn started(mut self, power_on: &PowerOn) -> Self {
         self.node = self.node.started(power_on);

@@ -9,13 +9,13 @@
 //!
 //! A dictionary may leave them out.
 
-use canopen::od::{self, Dictionary};
+use canopen::od::{self};
 use canopen::{Application, ControllerState, Duration, Instant};
 
 use super::hooks::{RESTART_DELAY, SDO_TIME_OUT};
 use super::{Device, Phase};
+use crate::behaviour::Behaves;
 use crate::exchange::{Actuals, Share};
-use crate::objects::Objects;
 
 const COUNTERS: u16 = 0x2010;
 
@@ -28,7 +28,7 @@ const FAULT: u16 = 1 << 3;
 /// The value of 2011h that stands for "never".
 const STAY_OFF: u16 = u16::MAX;
 
-impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
+impl<D: Behaves, A: Application<D>> Device<D, A> {
     /// The state of the CAN controller ([`canopen::Node::controller_changed`]); bus-off brings the motor to rest.
     pub fn controller_changed<X: Share>(
         &mut self,

@@ -10,14 +10,14 @@
 //! Operational, or it is bus-off.
 
 use canopen::cia301::nmt::NmtState;
-use canopen::od::{self, Dictionary};
+use canopen::od::{self};
 use canopen::{Application, Frame};
 
 use motion::low;
 
 use super::{Device, Phase};
+use crate::behaviour::Behaves;
 use crate::exchange::{Actuals, Share};
-use crate::objects::Objects;
 use crate::parameters::Parameter;
 use crate::state_machine::State;
 
@@ -53,7 +53,7 @@ impl Fleeting {
     }
 }
 
-impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
+impl<D: Behaves, A: Application<D>> Device<D, A> {
     /// Without a bus nobody sees anything.
     pub(super) fn look_at_bus<X: Share>(&mut self, is_bus_off: bool, exchange: &mut X) {
         self.fleeting.is_bus_off = is_bus_off;
@@ -114,7 +114,7 @@ impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
 }
 
 /// The transmit PDOs that show the state without being asked: identifier, and at which bit the statusword begins.
-fn pdos<D: Dictionary + Objects>(dictionary: &D) -> impl Iterator<Item = (u32, u32)> {
+fn pdos<D: Behaves>(dictionary: &D) -> impl Iterator<Item = (u32, u32)> {
     let records = D::TABLE.range(COMMUNICATION..=COMMUNICATION + TO_MAPPING - 1);
     records
         .iter()
@@ -131,7 +131,7 @@ fn pdos<D: Dictionary + Objects>(dictionary: &D) -> impl Iterator<Item = (u32, u
 }
 
 /// At which bit of a mapping the statusword begins.
-fn statusword_in<D: Dictionary + Objects>(dictionary: &D, mapping: u16) -> Option<u32> {
+fn statusword_in<D: Behaves>(dictionary: &D, mapping: u16) -> Option<u32> {
     let objects = od::read_u8(dictionary, mapping, 0)?;
     let mut bit: u32 = 0;
     for sub in 1..=objects.min(64) {

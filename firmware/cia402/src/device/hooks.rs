@@ -15,11 +15,11 @@
 //! - The serial number 1018h:4 is filled in at every start, before a master can read it.
 
 use canopen::cia301::sdo::{AbortCode, Completion};
-use canopen::od::{self, Dictionary, Entry, write_u32};
+use canopen::od::{self, Entry, write_u32};
 use canopen::{Application, Instant};
 
 use super::commissioning::{Commissioning, setting};
-use crate::behaviour::Behaviour;
+use crate::behaviour::{Behaves, Behaviour};
 use crate::commands::Commands;
 use crate::controlword::ControlwordHistory;
 use crate::cyclic::{CyclicConfiguration, SyncEvent};
@@ -211,11 +211,7 @@ impl<A, B: Behaviour> Hooks<A, B> {
 
     /// What the drive objects ask of the drive. What has passed in the controlword is given once. Velocities and accelerations become
     /// increments here.
-    pub(crate) fn commands<D: Dictionary + Objects>(
-        &mut self,
-        dictionary: &D,
-        network: Network,
-    ) -> Commands {
+    pub(crate) fn commands<D: Behaves>(&mut self, dictionary: &D, network: Network) -> Commands {
         let units = self.units.of_drive::<D>();
         let passed = self.history.take();
         let mut commands = Commands {
@@ -261,11 +257,7 @@ impl<A, B: Behaviour> Hooks<A, B> {
 impl<A, B> Hooks<A, B> {
     /// Whether node-ID or bit rate may get a value, wherever they are objects: as 5FF0h not while the power stage is on, and whatever a load of the
     /// parameters brings, which is not taken.
-    fn check_setting<D: Dictionary + Objects>(
-        &self,
-        entry: &Entry,
-        value: &[u8],
-    ) -> Result<(), AbortCode> {
+    fn check_setting<D: Behaves>(&self, entry: &Entry, value: &[u8]) -> Result<(), AbortCode> {
         if !D::DRIVE_HABITS.network.are_own() && setting::<D>(entry).is_some() {
             if self.protection.is_loading() {
                 return Ok(());
@@ -278,7 +270,7 @@ impl<A, B> Hooks<A, B> {
     }
 }
 
-impl<D: Dictionary + Objects, A: Application<D>> Application<D> for Hooks<A, D::Behaviour> {
+impl<D: Behaves, A: Application<D>> Application<D> for Hooks<A, D::Behaviour> {
     fn validate(&mut self, dictionary: &D, entry: &Entry, value: &[u8]) -> Result<(), AbortCode> {
         let parameter = D::parameter(entry);
         let protected = self.protection.check(dictionary, entry, parameter, value);

@@ -3,18 +3,17 @@
 
 use canopen::cia301::parameters::ParameterStore;
 use canopen::cia301::sdo::AbortCode;
-use canopen::od::Dictionary;
 use canopen::{Application, Duration, Instant};
 
 use super::Device;
+use crate::behaviour::Behaves;
 use crate::exchange::Share;
-use crate::objects::Objects;
 
 /// How long a master that has ordered to store waits for a motor that is just being switched off. A moment is needed in any
 /// case: the drive is safe when a control tick has seen the latest commands.
 const PATIENCE: Duration = Duration::millis(50);
 
-impl<D: Dictionary + Objects, A: Application<D>> Device<D, A> {
+impl<D: Behaves, A: Application<D>> Device<D, A> {
     /// The same device on a board that stores parameters: the firmware calls [`Device::serve_store`].
     pub fn with_parameter_store(mut self) -> Self {
         self.node = self.node.with_parameter_store();

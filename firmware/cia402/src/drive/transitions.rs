@@ -3,7 +3,6 @@
 use super::stopping::Power;
 use super::{Drive, Tick};
 use crate::actuator::Actuator;
-use crate::behaviour::Behaviour;
 use crate::controlword::Command;
 use crate::faults::Reaction;
 use crate::objects::Objects;
@@ -21,11 +20,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
     pub(super) fn change_state(&mut self, tick: &Tick<'_>, command: Option<Command>) {
         let now = tick.now;
         let both_limits = self.switches.both_limits();
-        let found = tick.inputs.fault.or(if D::Behaviour::IS_THERE {
-            self.commands.fault
-        } else {
-            None
-        });
+        let found = tick.inputs.fault.or(self.commands.fault);
         let detected = self.faults.detect(
             tick.inputs,
             self.power.is_on(),

@@ -93,6 +93,23 @@ fn sub_index_0_is_the_highest_one() {
     finds(old, "DefaultValue=2\n\n[1A00sub1]", "[1A00sub0]", message);
 }
 
+/// A data type that is none is a warning, and cost the object its sub-index 0: what was written of it was read as another.
+#[test]
+fn a_sub_index_0_that_cannot_be_read_is_there() {
+    let old = "Highest sub-index supported\nDataType=0x0005\nAccessType=ro";
+    let text = SMALL.replacen(old, "Highest\nDataType=0x0000\nAccessType=ro", 1);
+    let report = Report::new("small.eds", &text);
+    assert!(!report.has_errors() && report.findings.len() == 1);
+    let object = report.model.object(0x1018).unwrap();
+    let first = object.entry(0).unwrap();
+    assert_eq!(
+        (first.data_type, &first.default),
+        (super::DataType::Unsigned8, &Some(super::number(3)))
+    );
+    let again = super::parse("small.eds", &crate::print(&report.model)).unwrap();
+    assert_eq!(again, report.model);
+}
+
 #[test]
 fn lists_and_sections_agree() {
     finds(
