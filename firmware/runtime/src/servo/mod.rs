@@ -295,7 +295,7 @@ impl Loops {
     /// How far the rotor may be from where it is held at rest, in counts: a stepper that is only supervised has no more than its field, and loses
     /// four full steps at a time. Of anything else its following error tells.
     pub fn position_tolerance(&self) -> u32 {
-        let four_steps = self.motor.counts / u32::from(self.motor.pole_pairs);
+        let four_steps = self.motor.counts / u32::from(self.motor.pole_pairs).max(1);
         match self.settings.stepper.way {
             1 => four_steps * 5 / 8,
             _ => i32::MAX.unsigned_abs(),

@@ -21,13 +21,13 @@ pub struct SerialBus {
 }
 
 impl SerialBus {
-    /// The port is open for clients; their channel is closed until they open it.
+    /// The port is open for clients once the node is on, and takes bytes ([`Controller::resume`]): who is answered finds a node. Their
+    /// channel is closed until they open it.
     pub fn new(serial: pac::USART2) -> Self {
         serial.cr1().write(|w| {
             w.ue().enabled();
             w.te().enabled();
-            w.re().enabled();
-            w.rxneie().enabled()
+            w.re().enabled()
         });
         Self {
             serial,
