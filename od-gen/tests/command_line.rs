@@ -461,26 +461,14 @@ fn dcf_refuses_what_would_be_read_as_something_else() {
 
 #[test]
 fn a_file_that_cannot_be_read_hides_no_other() {
-    let json = [
-        "check",
-        "--format",
-        "json",
-        "no-such.eds",
-        "tests/data/broken.eds",
-    ];
-    let output = od_gen(&json);
+    let both = ["no-such.eds", "tests/data/broken.eds"];
+    let output = od_gen(&[&["check", "--format", "json"], &both[..]].concat());
     assert_eq!(output.status.code(), Some(2));
     let refusal = "no-such.eds: error: No such file or directory\n";
     assert_eq!(text(&output.stderr), refusal);
     let files: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(files[0]["file"], "tests/data/broken.eds");
-    let short = od_gen(&[
-        "check",
-        "--format",
-        "short",
-        "no-such.eds",
-        "tests/data/broken.eds",
-    ]);
+    let short = od_gen(&[&["check", "--format", "short"], &both[..]].concat());
     assert_eq!(short.status.code(), Some(2));
     assert!(text(&short.stdout).starts_with("tests/data/broken.eds:"));
 

@@ -21,7 +21,7 @@ use cia402::binding::{self, Conversion, Number};
 use cia402::cyclic::TickTimer;
 use cia402::inputs::{self, Capture, Captured, DigitalInputs, Edges};
 use cia402::recorder::{Memory, Recorder};
-use cia402::{Device, Drive, DriveConfig, Emitter, Exchange, Inputs, ServoAxis, Share, StepAxis};
+use cia402::{Device, Drive, DriveConfig, Exchange, Inputs, Share};
 use cortex_m_rt::entry;
 // Only for the linker script of the firmware, which expects its symbols.
 use defmt as _;
@@ -38,6 +38,8 @@ mod commissioning;
 mod hosted;
 #[path = "no_panic/motion.rs"]
 mod motion_crate;
+#[path = "no_panic/moving.rs"]
+mod moving;
 #[path = "no_panic/outside.rs"]
 mod outside;
 #[path = "no_panic/servo.rs"]
@@ -52,6 +54,7 @@ use hosted::Hosted;
 use motion_crate::{
     any_config, any_timing, axis, homing, plan, pulses, timer_pulses, AnyRegisters, Sink, Timer,
 };
+use moving::{Axis402, Moving};
 use outside::{AnyMailboxes, AnyStore};
 
 /// The object dictionary of the drive.
@@ -77,38 +80,6 @@ impl od::Dictionary for Everything {
 
     fn ram_mut(&mut self) -> &mut [u8] {
         self.0.ram_mut()
-    }
-}
-
-/// What moves the motor, as the board and its data sheet have it.
-#[cfg(not(feature = "odrive36"))]
-type Axis402 = StepAxis;
-#[cfg(feature = "odrive36")]
-type Axis402 = ServoAxis;
-
-/// How a drive is made with it.
-trait Moving: Sized {
-    fn drive(config: DriveConfig) -> Drive<Dictionary, Self>;
-    fn control(config: DriveConfig) -> runtime::Control<Dictionary, &'static Memory, Self>;
-}
-
-impl Moving for StepAxis {
-    fn drive(config: DriveConfig) -> Drive<Dictionary, Self> {
-        Drive::new(config)
-    }
-
-    fn control(config: DriveConfig) -> runtime::Control<Dictionary, &'static Memory, Self> {
-        runtime::Control::new(config, &SCOPE)
-    }
-}
-
-impl Moving for ServoAxis {
-    fn drive(config: DriveConfig) -> Drive<Dictionary, Self> {
-        Drive::servo(config, || Emitter::new(config))
-    }
-
-    fn control(config: DriveConfig) -> runtime::Control<Dictionary, &'static Memory, Self> {
-        runtime::Control::servo(config, &SCOPE)
     }
 }
 
