@@ -94,6 +94,27 @@ fn s26_a_segment_that_comes_too_late_ends_the_transfer() {
 }
 
 #[test]
+fn s26_a_block_upload_that_goes_on_too_late_is_ended() {
+    const OPEN: &str = "604: A4 14 20 00 7F 00 00 00";
+    const START: &str = "604: A3 00 00 00 00 00 00 00";
+    let mut device = Device::new();
+    device.firmware.stream.value = vec![1; 7];
+    assert_eq!(device.ask(OPEN), ["584: C6 14 20 00 07 00 00 00"]);
+    wait(&mut device, 1000);
+    // The frame is served before time is.
+    device.put(START);
+    assert_eq!(device.sent(), [abort(0x2014, 0, TIMED_OUT)]);
+
+    assert_eq!(device.ask(OPEN), ["584: C6 14 20 00 07 00 00 00"]);
+    assert_eq!(device.ask(START), ["584: 81 01 01 01 01 01 01 01"]);
+    let end = device.ask("604: A2 01 7F 00 00 00 00 00");
+    assert_eq!(end, ["584: C1 04 35 00 00 00 00 00"]);
+    wait(&mut device, 1000);
+    device.put("604: A1 00 00 00 00 00 00 00");
+    assert_eq!(device.sent(), [abort(0x2014, 0, TIMED_OUT)]);
+}
+
+#[test]
 fn s27_a_segment_just_in_time_is_taken() {
     let mut device = Device::new();
     assert_eq!(device.ask(OPEN_DOWNLOAD), ["584: 60 01 20 00 00 00 00 00"]);

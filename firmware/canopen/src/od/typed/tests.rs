@@ -23,6 +23,8 @@ fn numbers_of_odd_sizes_keep_their_sign() {
     assert_eq!(signed_bytes::<3>(0x80_0000), Err(OutOfRange));
     assert_eq!(unsigned_bytes::<3>(0xFF_FFFF), Ok([0xFF; 3]));
     assert_eq!(unsigned_bytes::<3>(0x100_0000), Err(OutOfRange));
+    let told = std::format!("{OutOfRange}");
+    assert_eq!(told, "the number does not fit the type of its object");
 }
 
 #[test]
