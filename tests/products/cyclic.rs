@@ -5,6 +5,13 @@ use canopen::Frame;
 use crate::bench::Bench;
 use crate::steer::{NODE, begin, command, number, position, statusword};
 
+/// A set-point of interpolated position, and the SYNC that takes it.
+fn cycle(bench: &mut Bench, target: i32) {
+    bench.write(NODE, 0x60C1, 1, &target.to_le_bytes());
+    bench.send(&Frame::data_frame(0x080, &[]));
+    bench.run(10);
+}
+
 /// Set-points of interpolated position come with SYNC; the motor is where they are, once bit 4 is set, and bit 12 tells so.
 fn follows_a_set_point_of_each_sync(name: &str) {
     let mut bench = Bench::node(name, NODE);
@@ -15,11 +22,6 @@ fn follows_a_set_point_of_each_sync(name: &str) {
     bench.send(&Frame::data_frame(0, &[1, NODE]));
     bench.write(NODE, 0x6060, 0, &[7]);
     bench.enable(NODE);
-    let cycle = |bench: &mut Bench, target: i32| {
-        bench.write(NODE, 0x60C1, 1, &target.to_le_bytes());
-        bench.send(&Frame::data_frame(0x080, &[]));
-        bench.run(10);
-    };
     for _ in 0..50 {
         cycle(&mut bench, 0);
     }
@@ -52,11 +54,6 @@ fn the_nanotec_stops_abruptly_in_interpolated_position() {
     bench.send(&Frame::data_frame(0, &[1, NODE]));
     bench.write(NODE, 0x6060, 0, &[7]);
     bench.enable(NODE);
-    let cycle = |bench: &mut Bench, target: i32| {
-        bench.write(NODE, 0x60C1, 1, &target.to_le_bytes());
-        bench.send(&Frame::data_frame(0x080, &[]));
-        bench.run(10);
-    };
     for _ in 0..50 {
         cycle(&mut bench, 0);
     }

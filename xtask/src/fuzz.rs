@@ -183,7 +183,7 @@ fn run_command(target: &str, corpus: &Path) -> Result<Command> {
         _ => LONGEST,
     };
     let mut command = Command::new(program(target)?);
-    // The longest inputs of `master` take a second of the processor, which others may be using too.
+    // Some inputs of `master` took more than ten seconds of a PC that had ten times as much to do as it can.
     command
         .arg(corpus)
         .args([format!("-max_len={longest}")])

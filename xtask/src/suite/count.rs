@@ -43,11 +43,18 @@ impl Count {
         }
     }
 
-    /// What is left when the tests that failed were played again, with this count.
+    /// What is left when the tests that failed were played again, with this count. What was not played again has failed.
     pub fn after(self, again: Self) -> Self {
+        let passed = again.passed.min(self.failed);
+        let all_are_named = again.names.len() == again.failed as usize;
         Self {
-            passed: self.passed + self.failed.saturating_sub(again.failed),
-            ..again
+            passed: self.passed + passed,
+            failed: self.failed - passed,
+            names: if all_are_named {
+                again.names
+            } else {
+                self.names
+            },
         }
     }
 
@@ -187,7 +194,9 @@ mod tests {
         let first = Count::of(70, 3);
         assert_eq!(first.clone().after(Count::of(3, 0)), Count::of(73, 0));
         assert_eq!(first.clone().after(Count::of(2, 1)), Count::of(72, 1));
-        assert_eq!(first.after(Count::of(0, 3)), Count::of(70, 3));
+        assert_eq!(first.clone().after(Count::of(0, 3)), Count::of(70, 3));
+        // A runner that could not begin has one failure, and has played none of them.
+        assert_eq!(first.after(Count::of(0, 1)), Count::of(70, 3));
     }
 
     #[test]

@@ -3,8 +3,8 @@
 //! Cargo's part goes step by step, on all processors; the tests of running devices wait most of their time, two steps at once. First everything is built that the second
 //! part needs, so that both begin early. Cargo makes way: a device that runs in real time is not to be late.
 //!
-//! A busy PC may still be late for it. So the device tests that failed are played once more at the end, when the PC does nothing else; what fails then has failed, and
-//! the summary names what needed the second time.
+//! A busy PC may still be late for it. So the tests of devices in real time that failed are played once more at the end, when the PC does nothing else; what fails then has
+//! failed, and the summary names what needed the second time. The model of the board has a clock of its own, and no second time.
 
 use std::sync::mpsc::{self, Receiver};
 use std::sync::{Mutex, PoisonError};
@@ -114,7 +114,8 @@ fn build_all(steps: &[Step], ready: &Ready, players: &mpsc::Sender<Built>) -> Re
 /// Plays the tests that failed once more, if they are few.
 fn play_again(mut played: Played, mut outcome: Outcome, ready: &Ready) -> Result<Outcome> {
     let names = &outcome.count.names;
-    if names.len() == outcome.count.failed as usize && (1..=FEW).contains(&names.len()) {
+    let are_named = names.len() == outcome.count.failed as usize;
+    if outcome.step != Step::Board && are_named && (1..=FEW).contains(&names.len()) {
         let started = Instant::now();
         let names = names.clone();
         say!("\n=== {}: again what failed ===", outcome.step)?;
