@@ -21,7 +21,7 @@ use crate::fixed::{Exact, Position, Q96, State, Velocity, product};
 use crate::low;
 use crate::plan::Plan;
 use crate::plan::phase::Phase;
-use crate::stepper::piece::Piece;
+use crate::stepper::polynomial::Polynomial;
 pub use mean::Mean;
 use window::SAMPLES;
 pub(crate) use window::Window;
@@ -242,7 +242,7 @@ impl Average {
 
     /// How the mean goes on from tick `t`, which is not before the curve that it is on: up to the next sample, where it is a parabola, or as long as it
     /// is a line.
-    pub(crate) fn piece_at(&mut self, plan: &Plan, t: Ticks) -> Piece {
+    pub(crate) fn polynomial_at(&mut self, plan: &Plan, t: Ticks) -> Polynomial {
         if self.until <= t {
             self.fresh = None;
             if self.walk.left == 0 {
@@ -251,19 +251,19 @@ impl Average {
                 self.step();
             }
         }
-        let (start, mut piece) = self.piece();
+        let (start, mut polynomial) = self.polynomial();
         if t > start {
             let there = self.exact_at(t);
-            (piece.position, piece.velocity) = (Q96(there.position), Q96(there.velocity));
+            (polynomial.position, polynomial.velocity) = (Q96(there.position), Q96(there.velocity));
         }
-        piece
+        polynomial
     }
 
     /// The curve of the mean, and when it begins.
     #[inline]
-    fn piece(&self) -> (Ticks, Piece) {
+    fn polynomial(&self) -> (Ticks, Polynomial) {
         if let Some((start, line)) = self.line {
-            return (start, Piece::line(self.until, line));
+            return (start, Polynomial::line(self.until, line));
         }
         let velocity = self.to.velocity.bits().wrapping_sub(self.gain);
         let from = State {
@@ -274,17 +274,17 @@ impl Average {
         let gain = i128::from(self.gain) << 8;
         let (high, low) = ((self.per_grid >> 32) as u32, low::u32(self.per_grid));
         let half = product(gain, high) + (product(gain, low) >> 32);
-        let piece = Piece {
+        let polynomial = Polynomial {
             half: Q96(half),
-            ..Piece::line(self.until, from.into())
+            ..Polynomial::line(self.until, from.into())
         };
-        (self.until.saturating_sub(self.since.into()), piece)
+        (self.until.saturating_sub(self.since.into()), polynomial)
     }
 
     /// The same as a phase of a plan.
     pub(crate) fn phase(&self) -> Phase {
-        let (start, piece) = self.piece();
-        Phase::parabola(start, piece.exact(), piece.half.0)
+        let (start, polynomial) = self.polynomial();
+        Phase::parabola(start, polynomial.exact(), polynomial.half.0)
     }
 
     /// The mean at tick `t`, from where its curve begins up to `until`.

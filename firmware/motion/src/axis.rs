@@ -22,13 +22,13 @@ use crate::path::Path;
 use crate::plan::{Goal, Limits, Plan, PlanError, Ramps};
 use crate::record::{Direction, DriverTiming, PulseSink};
 use crate::speed::{SignedSpeed, Speed};
-use crate::stepper::piece::Piece;
+use crate::stepper::polynomial::Polynomial;
 use crate::stepper::{CHORDS_PER_SEGMENT, Stepper};
 pub use draft::Draft;
 pub use reference::Reference;
 use trace::Trace;
 
-/// Chords that [`Axis::advance`] makes at most: those of four segments, and one for each piece of the shortest.
+/// Chords that [`Axis::advance`] makes at most: those of four segments, and one for each polynomial of the shortest.
 const MOST_CHORDS: u32 = 4 * CHORDS_PER_SEGMENT + 32;
 
 /// What an axis is made of.
@@ -236,7 +236,7 @@ impl Axis {
             if is_done {
                 break;
             }
-            if self.stepper.is_on_piece() || self.enter_piece() {
+            if self.stepper.is_on_polynomial() || self.enter_polynomial() {
                 self.stepper.emit(low::u32(enough));
             } else if self.stepper.is_closed() {
                 is_done = true;
@@ -246,7 +246,7 @@ impl Axis {
             }
             self.mark();
         }
-        if !self.stepper.is_on_piece() && self.moving && self.is_at_rest() {
+        if !self.stepper.is_on_polynomial() && self.moving && self.is_at_rest() {
             self.settle();
         }
         if !is_done || self.stepper.overrun() {
@@ -295,7 +295,7 @@ impl Axis {
     /// Whether the motion has ended and all its records have been committed. The sink may still be playing them.
     #[inline]
     pub fn is_at_rest(&self) -> bool {
-        !self.stepper.is_on_piece() && self.has_ended()
+        !self.stepper.is_on_polynomial() && self.has_ended()
     }
 
     #[inline(never)]
@@ -416,25 +416,25 @@ impl Axis {
         self.stepper.committed_part(taken);
     }
 
-    /// Enters the piece of the motion that begins at the horizon, if it has not ended there.
+    /// Enters the polynomial of the motion that begins at the horizon, if it has not ended there.
     #[inline(never)]
-    fn enter_piece(&mut self) -> bool {
+    fn enter_polynomial(&mut self) -> bool {
         let begin = self.horizon();
-        let piece = match &self.path {
-            Some(path) => path.piece_at(begin),
-            None if self.is_averaged => Some(self.average.piece_at(&self.plan, begin)),
-            None => self.plan.piece_at(begin),
+        let polynomial = match &self.path {
+            Some(path) => path.polynomial_at(begin),
+            None if self.is_averaged => Some(self.average.polynomial_at(&self.plan, begin)),
+            None => self.plan.polynomial_at(begin),
         };
-        let piece = piece.or_else(|| {
+        let polynomial = polynomial.or_else(|| {
             // Pulses that were held back by the driver's times are due all the same.
             let stands = self.exact_at(begin);
             let is_due = self.stepper.due(stands) != 0;
-            is_due.then(|| Piece::line(begin + u64::from(self.stepper.longest()), stands))
+            is_due.then(|| Polynomial::line(begin + u64::from(self.stepper.longest()), stands))
         });
-        if let Some(piece) = piece {
-            self.stepper.enter(piece);
+        if let Some(polynomial) = polynomial {
+            self.stepper.enter(polynomial);
         }
-        piece.is_some()
+        polynomial.is_some()
     }
 
     /// The commit horizon is here now. Points that lie close together are thinned out.
@@ -442,7 +442,7 @@ impl Axis {
     fn mark(&mut self) {
         let horizon = self.horizon();
         let mut state = self.stepper.state();
-        if !self.stepper.is_on_piece() {
+        if !self.stepper.is_on_polynomial() {
             // Where the mean stands it is where the plan stands, and the plan is followed.
             self.is_averaged &= !self.average.is_over();
             if self.end().is_some_and(|end| end <= horizon) {

@@ -1,7 +1,7 @@
 //! Exact integer motion: where a stepper axis is to be at every tick of its timer, and the pulses that take it there.
 //!
 //! A command becomes a [`Plan`], a closed form that ends on the target by construction. An [`Axis`] follows it, or its [`Mean`], or a path of
-//! set-points, as pieces of polynomials; one stepper walks along these and turns them into [`Record`]s, which a [`PulseSink`] plays: a DMA ring,
+//! set-points, as polynomials; one stepper walks along these and turns them into [`Record`]s, which a [`PulseSink`] plays: a DMA ring,
 //! an interrupt, a simulated motor. The pulses that were sent always add up to the distance that was commanded, whatever happened on the way.
 //!
 //! # Glossary
@@ -21,8 +21,9 @@
 //! | mean | the moving average of a plan over a *window* of time, taken from samples on a *grid* |
 //! | joint | the tick at which the plan below a mean may change: up to there it has been sampled |
 //! | path | set-points with their ticks, as cyclic modes give them; from one to the next is a *segment* of it |
-//! | piece | a polynomial of degree 3 at most with an end tick: what every trajectory comes as; within a plan, a ramp or a cruise |
-//! | chord | as much of a piece as becomes pulses in one go: evenly spaced between its first crossing and its last |
+//! | polynomial | of degree 3 at most, up to an end tick: what every trajectory comes as |
+//! | piece | a ramp or a cruise of a plan, as the plan keeps it until one of its phases is entered |
+//! | chord | as much of a polynomial as becomes pulses in one go: evenly spaced between its first crossing and its last |
 //! | crossing | where the position passes the middle between two whole steps: there the pulse belongs |
 //! | record | a run of equal periods, each with a pulse, or silence; what a sink plays |
 //! | train | the account of steps and ticks that makes records of chords; its *pen* is where these end |

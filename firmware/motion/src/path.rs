@@ -10,7 +10,7 @@ use crate::divide::fraction;
 use crate::fixed::{Exact, Position, State, Velocity};
 use crate::iterations::Iterations;
 use crate::low;
-use crate::stepper::piece::Piece;
+use crate::stepper::polynomial::Polynomial;
 
 /// Segments that are kept: the one that is becoming pulses, and those behind it. A power of two.
 const MOST_SEGMENTS: usize = 4;
@@ -52,7 +52,7 @@ struct Segment {
     start: Ticks,
     /// In ticks, at least 1.
     length: u32,
-    piece: Piece,
+    polynomial: Polynomial,
     /// The set-point at its end.
     to: State,
     /// The velocity of a straight line is its distance over its length, and no other one.
@@ -75,7 +75,7 @@ impl Segment {
         Self {
             start,
             length,
-            piece: Piece::line(start.saturating_add(length as u64), from),
+            polynomial: Polynomial::line(start.saturating_add(length as u64), from),
             to: State {
                 position: to,
                 velocity: rounded,
@@ -95,7 +95,7 @@ impl Segment {
         let distance = to.bits().wrapping_sub(from.bits());
         let alike = before.filter(|before| before.is_mean && before.goes(distance, length));
         let velocity = match alike {
-            Some(before) => (before.piece.velocity.0, before.to.velocity),
+            Some(before) => (before.polynomial.velocity.0, before.to.velocity),
             None => {
                 let velocity = rate(distance, length);
                 (velocity, Velocity::from_exact(velocity))
@@ -109,7 +109,7 @@ impl Segment {
 
     /// Whether it leads so far in so many ticks.
     const fn goes(&self, distance: i64, length: u32) -> bool {
-        let from = self.piece.position.floor();
+        let from = self.polynomial.position.floor();
         self.length == length && self.to.position.bits().wrapping_sub(from) == distance
     }
 
@@ -133,7 +133,7 @@ impl Segment {
         Self {
             start,
             length,
-            piece: Piece::between(state(from), (end, state(to)), length),
+            polynomial: Polynomial::between(state(from), (end, state(to)), length),
             to,
             is_mean: false,
         }
@@ -141,19 +141,19 @@ impl Segment {
 
     /// The velocity at its end, Q96.
     const fn velocity(&self) -> i128 {
-        if self.piece.is_line() {
-            self.piece.velocity.0
+        if self.polynomial.is_line() {
+            self.polynomial.velocity.0
         } else {
             self.to.velocity.exact()
         }
     }
 
-    /// The piece from tick `t` on.
-    fn at(&self, t: Ticks) -> Piece {
-        let mut piece = self.piece;
+    /// The polynomial from tick `t` on.
+    fn at(&self, t: Ticks) -> Polynomial {
+        let mut polynomial = self.polynomial;
         // It is within the segment, which is shorter than 2³² ticks.
-        piece.walk(low::u32(t.saturating_sub(self.start)));
-        piece
+        polynomial.walk(low::u32(t.saturating_sub(self.start)));
+        polynomial
     }
 }
 
@@ -203,8 +203,8 @@ impl Path {
     /// This is the last segment from now on.
     fn ends_with(&mut self, last: &Segment) {
         let grace = if last.velocity() == 0 { 0 } else { self.grace };
-        self.rest = last.piece.end.saturating_add(grace.into());
-        self.end = (last.piece.end, last.to);
+        self.rest = last.polynomial.end.saturating_add(grace.into());
+        self.end = (last.polynomial.end, last.to);
     }
 
     /// A segment, counted from the first one.
@@ -225,7 +225,7 @@ impl Path {
         let mut iterations = Iterations::at_most(low::word(MOST_SEGMENTS));
         while self
             .segment(number)
-            .is_some_and(|segment| segment.piece.end <= t)
+            .is_some_and(|segment| segment.polynomial.end <= t)
         {
             iterations.count();
             number += 1;
@@ -294,7 +294,7 @@ impl Path {
     }
 
     /// How the path goes on from tick `t`; `None` where it stands.
-    pub(crate) fn piece_at(&self, t: Ticks) -> Option<Piece> {
+    pub(crate) fn polynomial_at(&self, t: Ticks) -> Option<Polynomial> {
         if let Some(segment) = self.segment(self.gone(t)) {
             return Some(segment.at(t));
         }
@@ -303,20 +303,20 @@ impl Path {
             position: exact(last.to.position),
             velocity: last.velocity(),
         };
-        let mut piece = Piece::line(self.rest, from);
+        let mut polynomial = Polynomial::line(self.rest, from);
         // The time for which it goes on is a few segments.
-        piece.walk(low::u32(t.saturating_sub(last.piece.end)));
-        Some(piece)
+        polynomial.walk(low::u32(t.saturating_sub(last.polynomial.end)));
+        Some(polynomial)
     }
 
     pub(crate) fn exact_at(&self, t: Ticks) -> Exact {
-        if let Some(piece) = self.piece_at(t) {
-            return piece.exact();
+        if let Some(polynomial) = self.polynomial_at(t) {
+            return polynomial.exact();
         }
         let last = self
             .rest
             .checked_sub(1)
-            .and_then(|last| self.piece_at(last));
+            .and_then(|last| self.polynomial_at(last));
         let mut there = Exact {
             position: exact(self.end.1.position),
             velocity: 0,

@@ -32,7 +32,7 @@ impl Iterator for Mean {
             return None;
         }
         let until = self.average.until;
-        self.average.piece_at(&self.plan, until);
+        self.average.polynomial_at(&self.plan, until);
         Some(self.average.phase())
     }
 }

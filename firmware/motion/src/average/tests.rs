@@ -61,7 +61,8 @@ impl Followed {
     fn run(&mut self, t: Ticks) {
         while self.average.until() < t && !self.average.is_over() {
             let until = self.average.until();
-            self.average.piece_at(&self.plans.last().unwrap().1, until);
+            self.average
+                .polynomial_at(&self.plans.last().unwrap().1, until);
             self.pieces
                 .push((self.average.until(), self.average.phase()));
         }

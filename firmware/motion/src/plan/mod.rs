@@ -25,7 +25,7 @@ mod velocity;
 use crate::clock::{Clock, Fine, Ticks};
 use crate::fixed::{Exact, State};
 use crate::speed::{SignedSpeed, Speed};
-use crate::stepper::piece::Piece as Polynomial;
+use crate::stepper::polynomial::Polynomial;
 use builder::Origin;
 pub use goal::{Goal, Limits, PlanError, Ramps, SIN_SQUARED};
 use heapless::Vec;
@@ -350,10 +350,10 @@ impl Plan {
     }
 
     /// How the plan goes on from tick `t`; `None` where it stands. The phase there is entered.
-    pub(crate) fn piece_at(&mut self, t: Ticks) -> Option<Polynomial> {
+    pub(crate) fn polynomial_at(&mut self, t: Ticks) -> Option<Polynomial> {
         self.enter(t);
         let (phase, end) = self.entered.as_ref()?;
-        Some(phase.piece(t, *end))
+        Some(phase.polynomial(t, *end))
     }
 
     pub(crate) fn exact_at(&self, t: Ticks) -> Exact {

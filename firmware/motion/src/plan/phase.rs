@@ -8,7 +8,7 @@
 use crate::clock::{Clock, Ticks};
 use crate::fixed::{Exact, Q96, Q128, State, product};
 use crate::low;
-use crate::stepper::piece::Piece as Polynomial;
+use crate::stepper::polynomial::Polynomial;
 use crate::wide::Wide;
 
 /// A stretch of constant jerk; most often there is none.
@@ -125,7 +125,7 @@ impl Phase {
     }
 
     /// How it goes on from tick `t` up to `end`, its own or an earlier one.
-    pub(crate) fn piece(&self, t: Ticks, end: Ticks) -> Polynomial {
+    pub(crate) fn polynomial(&self, t: Ticks, end: Ticks) -> Polynomial {
         Polynomial {
             half: Q96(self.acceleration_exact(t) >> 1),
             sixth: Q128(self.sixth_jerk),

@@ -1,14 +1,14 @@
-//! The stepper: from pieces of a trajectory to pulses.
+//! The stepper: from polynomials of a trajectory to pulses.
 //!
 //! Whatever the motion is, a ramp, a mean or a path, it comes as polynomials of degree 3 at most, and here is the one way from these to records. The
-//! stepper walks along its piece in *chords*: it goes on by some ticks, in integers and without rounding, counts the steps between, and finds the
+//! stepper walks along its polynomial in *chords*: it goes on by some ticks, in integers and without rounding, counts the steps between, and finds the
 //! ticks of the first pulse and of the last one. In between they are evenly spaced.
 //!
 //! Where pulses are many, a tick is found from the velocity there, by one division of 32 bits, and a chord goes on with the period of
 //! the one before. Where they are few, the position counts as a straight line over the chord, which is short enough for that to be true within
 //! a quarter of a step. Where a tick is less than a position in Q32 can tell, it is found from the whole of it.
 
-pub(crate) mod piece;
+pub(crate) mod polynomial;
 mod train;
 
 use crate::clock::Ticks;
@@ -16,7 +16,7 @@ use crate::divide::by_digit;
 use crate::fixed::{Exact, State, Velocity};
 use crate::low;
 use crate::record::{Direction, DriverTiming, Record};
-use piece::Piece;
+use polynomial::Polynomial;
 use train::{CROWDED, MOST_IN_CHORD, Pulses, Train};
 
 /// Chords per segment at most, however hard the acceleration: it bounds the work of a control tick.
@@ -31,14 +31,14 @@ const PERIODS_PER_CHORD: u32 = 16;
 /// From this velocity on, Q32 steps per tick, the ticks of a part of a period are a division by 32 bits, to within a tick.
 const FAST: u32 = 1 << 17;
 
-/// Walks along a piece, and makes records of it.
+/// Walks along a polynomial, and makes records of it.
 #[derive(Debug, Clone)]
 pub(crate) struct Stepper {
     /// Up to here the motion has become records, but for one open period.
     horizon: Ticks,
     /// The motion from there on.
-    piece: Piece,
-    /// Of the piece: the longest chord in ticks, and from which velocity on pulses are many, Q32 steps per tick.
+    polynomial: Polynomial,
+    /// Of the polynomial: the longest chord in ticks, and from which velocity on pulses are many, Q32 steps per tick.
     reach: u32,
     fast: u32,
     /// Whether its velocity stays: then what comes next is worked out once.
@@ -48,7 +48,7 @@ pub(crate) struct Stepper {
     beyond: u32,
     spare: u32,
     /// The longest chord of all, the velocity up to which it may be so long, Q32 steps per tick,
-    /// and the shortest of curved pieces.
+    /// and the shortest of curved polynomials.
     longest: u32,
     longest_up_to: u32,
     least: u32,
@@ -64,7 +64,7 @@ impl Stepper {
         let longest = segment.min(train.shortest.saturating_mul(MOST_IN_CHORD));
         Self {
             horizon: now,
-            piece: Piece::NONE,
+            polynomial: Polynomial::NONE,
             reach: longest,
             fast: FAST,
             is_line: true,
@@ -155,27 +155,27 @@ impl Stepper {
         self.horizon = self.horizon.max(self.train.pen);
     }
 
-    /// Whether the piece goes on from the horizon.
+    /// Whether the polynomial goes on from the horizon.
     #[inline]
-    pub(crate) const fn is_on_piece(&self) -> bool {
-        self.piece.end > self.horizon
+    pub(crate) const fn is_on_polynomial(&self) -> bool {
+        self.polynomial.end > self.horizon
     }
 
     /// Nothing is known any more of how the motion goes on.
     pub(crate) const fn leave(&mut self) {
-        self.piece.end = 0;
+        self.polynomial.end = 0;
     }
 
-    /// The piece on which the motion goes on from the horizon.
-    pub(crate) fn enter(&mut self, piece: Piece) {
-        self.piece = piece;
-        self.is_line = piece.is_line();
+    /// The polynomial on which the motion goes on from the horizon.
+    pub(crate) fn enter(&mut self, polynomial: Polynomial) {
+        self.polynomial = polynomial;
+        self.is_line = polynomial.is_line();
         if self.is_line {
             (self.reach, self.fast) = (self.longest, FAST);
-            self.look_ahead(speed(&piece));
+            self.look_ahead(speed(&polynomial));
             return;
         }
-        let chord = piece.longest_chord(self.horizon);
+        let chord = polynomial.longest_chord(self.horizon);
         self.reach = u32::try_from(chord).map_or(self.longest, |chord| chord.min(self.longest));
         self.reach = self.reach.max(self.least);
         let fast = (u64::from(PERIODS_PER_CHORD) << 32) >> chord.trailing_zeros();
@@ -186,8 +186,8 @@ impl Stepper {
     #[inline]
     pub(crate) const fn state(&self) -> State {
         State {
-            position: self.piece.exact().floor(),
-            velocity: Velocity::from_bits(low::i64(self.piece.velocity.0 >> 40)),
+            position: self.polynomial.exact().floor(),
+            velocity: Velocity::from_bits(low::i64(self.polynomial.velocity.0 >> 40)),
         }
     }
 
@@ -204,23 +204,23 @@ impl Stepper {
     #[inline(never)]
     fn walk(&mut self, enough: u32) {
         let begin = self.horizon;
-        let (from, first_rate) = (self.piece.position.floor(), speed(&self.piece));
+        let (from, first_rate) = (self.polynomial.position.floor(), speed(&self.polynomial));
         let length = self.length(enough, first_rate);
         self.horizon = begin.wrapping_add(length.into());
         let mut rate = first_rate;
         if self.is_line {
-            self.piece.walk_line(length);
+            self.polynomial.walk_line(length);
         } else {
-            self.piece.walk(length);
-            rate = speed(&self.piece);
+            self.polynomial.walk(length);
+            rate = speed(&self.polynomial);
         }
         if rate < self.fast || rate > self.longest_up_to {
             self.chord(begin, (from, length), None);
             return;
         }
         // −1 if it goes backwards.
-        let mask = (self.piece.velocity.0 >> 127) as i64;
-        let beyond = self.beyond(self.piece.position.floor(), mask);
+        let mask = (self.polynomial.velocity.0 >> 127) as i64;
+        let beyond = self.beyond(self.polynomial.position.floor(), mask);
         let Some(count) = crossed(beyond) else {
             return;
         };
@@ -245,7 +245,7 @@ impl Stepper {
         if !self.is_line {
             self.look_ahead(rate);
         }
-        let left = self.piece.end - self.horizon;
+        let left = self.polynomial.end - self.horizon;
         if left <= self.most.into() {
             return low::u32(left);
         }
@@ -284,13 +284,13 @@ impl Stepper {
         self.reach.min(low::u32(most)).max(self.least)
     }
 
-    /// Makes the pulses of a chord whatever the one before was: from a position, so many ticks behind `begin`, to where the piece is now. The velocity at both ends
+    /// Makes the pulses of a chord whatever the one before was: from a position, so many ticks behind `begin`, to where the polynomial is now. The velocity at both ends
     /// tells where the first and the last of them are, if that at the beginning is given.
     #[inline(never)]
     fn chord(&mut self, begin: Ticks, (from, length): (i64, u32), first_rate: Option<u32>) {
-        let to = self.piece.position.floor();
+        let to = self.polynomial.position.floor();
         let distance = to.wrapping_sub(from);
-        let due = self.due(self.piece.exact());
+        let due = self.due(self.polynomial.exact());
         // The motion knows where it goes. Steps due the other way are rounding at a turning point, unless it stands.
         let direction = match distance {
             0 if due < 0 => Direction::Reverse,
@@ -305,7 +305,7 @@ impl Stepper {
         // To the first crossing from the beginning, and from the last one to the end.
         let to_first = (1_i64 << 32).saturating_sub(self.beyond(from, mask));
         let to_first = to_first.max(0).cast_unsigned();
-        let rate = speed(&self.piece);
+        let rate = speed(&self.polynomial);
         let (first, back) = if let Some(first_rate) = first_rate {
             (
                 over(low::u32(to_first), first_rate),
@@ -331,14 +331,14 @@ impl Stepper {
         self.train.run(begin, length, &pulses);
     }
 
-    /// Whether the speed grows where the piece has been walked to.
+    /// Whether the speed grows where the polynomial has been walked to.
     fn is_speeding_up(&self) -> bool {
-        (self.piece.half.0 ^ self.piece.velocity.0) >= 0
+        (self.polynomial.half.0 ^ self.polynomial.velocity.0) >= 0
     }
 
     /// How many ticks ago the last of the steps due was crossed, where it is so slow that a tick is less than 2⁻³² steps.
     fn since_crossing(&self, count: u32) -> Option<u32> {
-        let exact = self.piece.exact();
+        let exact = self.polynomial.exact();
         if count != 1 || exact.velocity == 0 || !exact.rounded().velocity.creeps() {
             return None;
         }
@@ -347,10 +347,10 @@ impl Stepper {
     }
 }
 
-/// How fast a piece is where it has been walked to, either way, Q32 steps per tick; `u32::MAX` if it is faster than there are pulses.
+/// How fast a polynomial is where it has been walked to, either way, Q32 steps per tick; `u32::MAX` if it is faster than there are pulses.
 #[inline]
-fn speed(piece: &Piece) -> u32 {
-    let velocity = piece.velocity.floor();
+fn speed(polynomial: &Polynomial) -> u32 {
+    let velocity = polynomial.velocity.floor();
     u32::try_from(velocity ^ (velocity >> 63)).unwrap_or(u32::MAX)
 }
 

@@ -30,7 +30,7 @@ impl Curve {
         let mut phases: Vec<_> = [average.phase()].into();
         while average.until() < Ticks::MAX && !average.is_over() {
             let until = average.until();
-            average.piece_at(&axis.plan, until);
+            average.polynomial_at(&axis.plan, until);
             phases.push(average.phase());
         }
         Self::Mean(phases, average.until(), axis.plan.clone())

@@ -1,4 +1,4 @@
-//! A piece of a trajectory: a polynomial of degree 3 at most, that the stepper walks along.
+//! What every trajectory comes as: polynomials of degree 3 at most, one behind the other, that the stepper walks along.
 //!
 //! Position, velocity, half of the acceleration and a sixth of the jerk are those at one tick; to go on by n ticks is to move all of them there. Lines
 //! and parabolas are walked without rounding. What a cubic rounds is less than 2⁻³⁰ steps in a minute.
@@ -9,7 +9,7 @@ use crate::fixed::{Exact, Q96, Q128};
 
 /// How the position goes on from a tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Piece {
+pub(crate) struct Polynomial {
     /// The first tick behind it; `Ticks::MAX` if it never ends.
     pub(crate) end: Ticks,
     /// Steps, and steps per tick.
@@ -21,7 +21,7 @@ pub(crate) struct Piece {
     pub(crate) sixth: Q128,
 }
 
-impl Piece {
+impl Polynomial {
     /// Nothing: it has ended.
     pub(crate) const NONE: Self = Self::line(
         0,
@@ -119,7 +119,7 @@ impl Piece {
 
 #[cfg(test)]
 mod tests {
-    use super::Piece;
+    use super::Polynomial;
     use crate::fixed::{Exact, Q96, Q128};
     use proptest::prelude::*;
 
@@ -131,7 +131,7 @@ mod tests {
             strides in prop::collection::vec(1u32..100_000, 1..100),
         ) {
             let from = Exact { position: 5 << 96, velocity };
-            let mut one = Piece { half: Q96(half), ..Piece::line(0, from) };
+            let mut one = Polynomial { half: Q96(half), ..Polynomial::line(0, from) };
             let mut many = one;
             for stride in &strides {
                 many.walk(*stride);
@@ -148,7 +148,7 @@ mod tests {
             strides in prop::collection::vec(1u32..100_000, 1..100),
         ) {
             let from = Exact { position: 5 << 96, velocity };
-            let mut one = Piece { half: Q96(half), sixth: Q128(sixth), ..Piece::line(0, from) };
+            let mut one = Polynomial { half: Q96(half), sixth: Q128(sixth), ..Polynomial::line(0, from) };
             let mut many = one;
             for stride in &strides {
                 many.walk(*stride);
@@ -167,11 +167,11 @@ mod tests {
         ) {
             let from = Exact { position: 9 << 96, velocity: first };
             let to = Exact { position: (9 << 96) + distance, velocity: last };
-            let mut piece = Piece::between(from, (0, to), length);
-            piece.walk(length);
-            let off = piece.position.minus(Q96(to.position)).0.unsigned_abs();
+            let mut polynomial = Polynomial::between(from, (0, to), length);
+            polynomial.walk(length);
+            let off = polynomial.position.minus(Q96(to.position)).0.unsigned_abs();
             prop_assert!(off < 1 << 86, "{off} Q96 steps");
-            let off = piece.velocity.minus(Q96(to.velocity)).0.unsigned_abs();
+            let off = polynomial.velocity.minus(Q96(to.velocity)).0.unsigned_abs();
             prop_assert!(off < 1 << 82, "{off} Q96 steps");
         }
     }
