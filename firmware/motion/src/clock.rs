@@ -9,14 +9,17 @@ use crate::speed::Speed;
 /// Ticks of the step timer, counted from when the axis was made.
 pub type Ticks = u64;
 
-/// A velocity or acceleration with 96 bits behind the point, in steps per tick or steps per tick².
-pub(crate) type Fine = u128;
+/// An amount with 96 bits behind the point: of a velocity in steps per tick, or of an acceleration in steps per tick².
+pub(crate) type Uq96 = u128;
+
+/// An amount with 128 bits behind the point: of a sixth of a jerk, in steps per tick³.
+pub(crate) type Uq128 = u128;
 
 /// Half a step per tick: a pulse takes at least one tick high and one tick low.
-pub(crate) const TOP_SPEED: Fine = 1 << 95;
+pub(crate) const TOP_SPEED: Uq96 = 1 << 95;
 
 /// The highest sixth of a jerk, Q128 steps per tick³: all of it has the 96 bits that a divisor may have.
-pub(crate) const TOP_SIXTH_JERK: Fine = ((1 << 96) - 1) / 6;
+pub(crate) const TOP_SIXTH_JERK: Uq128 = ((1 << 96) - 1) / 6;
 
 /// The rate of the step timer, with the reciprocals that turn limits per second into limits per tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -68,22 +71,21 @@ impl Clock {
 
     /// A limit as Q96 steps/tick. Rounded down, so that the limit holds, and cut to half a step per tick.
     #[inline(never)]
-    pub(crate) fn speed(self, speed: Speed) -> Fine {
-        let whole = (speed.bits() >> 32) as u32;
-        let part = low::u32(speed.bits());
+    pub(crate) fn speed(self, speed: Speed) -> Uq96 {
+        let (whole, part) = ((speed.bits() >> 32) as u32, low::u32(speed.bits()));
         // A second has 77 bits at most.
-        let mut fine = self.second * u128::from(whole);
+        let mut speed = self.second * u128::from(whole);
         if part != 0 {
-            fine += (self.second * u128::from(part)) >> 32;
+            speed += (self.second * u128::from(part)) >> 32;
         }
-        fine.min(TOP_SPEED)
+        speed.min(TOP_SPEED)
     }
 
     /// Half of a limit in steps/s², as Q96 steps/tick². Rounded down, so that the limit holds.
     ///
     /// Half, because that is the coefficient of a parabola: x = x₀ + v·n + ½a·n².
     #[inline(never)]
-    pub(crate) fn half_acceleration(self, steps_per_second_squared: u32) -> Fine {
+    pub(crate) fn half_acceleration(self, steps_per_second_squared: u32) -> Uq96 {
         (self.second_squared * u128::from(steps_per_second_squared)) >> 29
     }
 
@@ -91,7 +93,7 @@ impl Clock {
     /// [`TOP_SIXTH_JERK`] (at 1 MHz 2.3·10⁸ steps/s³, at 84 MHz more than 32 bits hold).
     ///
     /// A sixth, because that is the coefficient of a cubic.
-    pub(crate) fn sixth_jerk(self, steps_per_second_cubed: u32) -> Fine {
+    pub(crate) fn sixth_jerk(self, steps_per_second_cubed: u32) -> Uq128 {
         ((self.sixth_second_cubed * u128::from(steps_per_second_cubed)) >> 28)
             .clamp(1, TOP_SIXTH_JERK)
     }

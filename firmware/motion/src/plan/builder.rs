@@ -5,7 +5,7 @@ use super::goal::{PlanError, SIN_SQUARED};
 use super::move_to::distance_to;
 use super::piece::{Frame, Instant, Offset, Piece, Shape, ramp_distance};
 use super::sine::SHORTEST;
-use crate::clock::{Fine, Ticks};
+use crate::clock::{Ticks, Uq96};
 use crate::fixed::Exact;
 
 /// Where a motion is planned from.
@@ -96,8 +96,8 @@ impl<'a> PlanBuilder<'a> {
     /// Brakes from `speed` against the direction of the motion to standstill, which takes `time` and `distance`.
     pub(super) fn turn_back(
         &mut self,
-        speed: Fine,
-        half_deceleration: Fine,
+        speed: Uq96,
+        half_deceleration: Uq96,
         time: Offset,
         distance: u128,
     ) {
@@ -108,7 +108,7 @@ impl<'a> PlanBuilder<'a> {
 
     /// Brakes from `speed`, to less or to standstill. Returns the distance.
     #[inline(never)]
-    pub(super) fn brake(&mut self, speed: Fine, half_deceleration: Fine, time: Offset) -> u128 {
+    pub(super) fn brake(&mut self, speed: Uq96, half_deceleration: Uq96, time: Offset) -> u128 {
         let distance = ramp_distance(speed, half_deceleration, time, true);
         self.ramp(speed.cast_signed(), -half_deceleration.cast_signed(), time);
         self.go_on(time, distance.cast_signed());
@@ -118,8 +118,8 @@ impl<'a> PlanBuilder<'a> {
     /// Accelerates from `speed`. Returns the distance.
     pub(super) fn accelerate(
         &mut self,
-        speed: Fine,
-        half_acceleration: Fine,
+        speed: Uq96,
+        half_acceleration: Uq96,
         time: Offset,
     ) -> u128 {
         let distance = ramp_distance(speed, half_acceleration, time, false);
@@ -159,7 +159,7 @@ impl<'a> PlanBuilder<'a> {
     }
 
     /// Keeps `speed` over `distance`.
-    pub(super) fn cruise(&mut self, speed: Fine, time: Offset, distance: u128) {
+    pub(super) fn cruise(&mut self, speed: Uq96, time: Offset, distance: u128) {
         self.write(Piece {
             start: self.tick,
             anchor: self.now,
@@ -175,7 +175,7 @@ impl<'a> PlanBuilder<'a> {
     pub(super) fn land(
         mut self,
         target: i128,
-        half_deceleration: Fine,
+        half_deceleration: Uq96,
         time: Offset,
     ) -> Result<(), PlanError> {
         self.brake_to((target, 0), half_deceleration, time);
@@ -186,9 +186,9 @@ impl<'a> PlanBuilder<'a> {
     pub(super) fn pass(
         mut self,
         target: i128,
-        half_deceleration: Fine,
+        half_deceleration: Uq96,
         time: Offset,
-        speed: Fine,
+        speed: Uq96,
     ) -> Result<(), PlanError> {
         self.brake_to((target, speed.cast_signed()), half_deceleration, time);
         self.travelled = target;
@@ -199,7 +199,7 @@ impl<'a> PlanBuilder<'a> {
     fn brake_to(
         &mut self,
         (position, velocity): (i128, i128),
-        half_deceleration: Fine,
+        half_deceleration: Uq96,
         time: Offset,
     ) {
         self.mark_ramp();
@@ -233,7 +233,7 @@ impl<'a> PlanBuilder<'a> {
     }
 
     /// Keeps `speed` for ever.
-    pub(super) fn keep(mut self, speed: Fine) -> Result<(), PlanError> {
+    pub(super) fn keep(mut self, speed: Uq96) -> Result<(), PlanError> {
         self.cruise(speed, 0, 0);
         self.count += 1;
         self.plan.end = Ticks::MAX;

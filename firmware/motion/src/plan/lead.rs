@@ -9,7 +9,7 @@ use super::goal::{Goal, Limits, SIN_SQUARED};
 use super::move_to::distance_to;
 use super::piece::{Instant, Piece, Shape, distance_at, over_time};
 use super::{Order, Plan, Ramps, sine};
-use crate::clock::{Clock, Fine, Ticks};
+use crate::clock::{Clock, Ticks, Uq96, Uq128};
 use crate::divide::quotient;
 use crate::fixed::Exact;
 use crate::speed::Speed;
@@ -24,7 +24,7 @@ pub(crate) struct Start {
     /// The acceleration, Q96 steps per tick², which linear ramps do not care for; and a sixth of the jerk, Q128 steps per tick³, at which it is brought
     /// to zero: no less than that with which it came about, or the velocity would go on beyond its limit.
     pub(crate) acceleration: i128,
-    pub(crate) sixth_jerk: Fine,
+    pub(crate) sixth_jerk: Uq128,
     /// What it was planned for, if its ramps are smooth.
     pub(super) order: Option<Order>,
     /// A sin² ramp that is under way and may be finished, in the frame of the axis.
@@ -53,13 +53,13 @@ impl Start {
     }
 
     /// With an acceleration, Q96 steps per tick², and a sixth of the jerk of which it is.
-    pub(crate) const fn easing(mut self, acceleration: i128, sixth_jerk: Fine) -> Self {
+    pub(crate) const fn easing(mut self, acceleration: i128, sixth_jerk: Uq128) -> Self {
         (self.acceleration, self.sixth_jerk) = (acceleration, sixth_jerk);
         self
     }
 
     /// Takes a speed at once, Q96 steps per tick, towards the target: from rest, or from less on the way there.
-    pub(crate) fn jump(&mut self, speed: Fine, target_steps: i64) {
+    pub(crate) fn jump(&mut self, speed: Uq96, target_steps: i64) {
         let is_steady = self.acceleration == 0 && self.ramp.is_none();
         let Some((gap, is_back)) = distance_to(target_steps, self.from).filter(|_| is_steady)
         else {
@@ -96,7 +96,7 @@ impl Start {
     }
 
     /// A sixth of the jerk of the acceleration that it has.
-    pub(super) fn sixth_jerk(&self) -> Fine {
+    pub(super) fn sixth_jerk(&self) -> Uq128 {
         match &self.ramp {
             Some(ramp) if self.acceleration != 0 => ramp.sixth_jerk(),
             _ => self.sixth_jerk,
@@ -104,7 +104,7 @@ impl Start {
     }
 
     /// From where sin² ramps go on when the acceleration has been brought to zero; at once if there is no jerk for that.
-    fn ease(&self, sixth_jerk: Fine, origin: &mut Origin) {
+    fn ease(&self, sixth_jerk: Uq128, origin: &mut Origin) {
         let Self {
             tick,
             from,
@@ -181,7 +181,7 @@ impl Start {
 
     /// If these limits are harder than those so far, a sixth of the jerk of their ramps from rest to the profile velocity, or from the velocity of
     /// now if that is higher: a quick stop must not last as long as the gentle ramp that it ends.
-    fn harder_jerk(&self, clock: Clock, limits: Limits) -> Fine {
+    fn harder_jerk(&self, clock: Clock, limits: Limits) -> Uq128 {
         let hardest = |limits: Limits| limits.acceleration.max(limits.deceleration);
         if !matches!(self.order, Some((_, before, _)) if hardest(limits) > hardest(before)) {
             return 0;

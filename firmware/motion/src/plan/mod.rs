@@ -22,7 +22,7 @@ mod piece;
 mod sine;
 mod velocity;
 
-use crate::clock::{Clock, Fine, Ticks};
+use crate::clock::{Clock, Ticks, Uq128};
 use crate::fixed::{Exact, State};
 use crate::speed::{SignedSpeed, Speed};
 use crate::stepper::polynomial::Polynomial;
@@ -59,7 +59,7 @@ pub struct Plan {
     /// What the plan was made for, if its ramps are smooth.
     order: Option<Order>,
     /// A sixth of the jerk of its ramps, Q128 steps per tick³; 0 if it is not limited.
-    sixth_jerk: Fine,
+    sixth_jerk: Uq128,
 }
 
 impl Plan {

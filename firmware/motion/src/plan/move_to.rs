@@ -7,7 +7,7 @@ use super::Plan;
 use super::builder::{Origin, PlanBuilder};
 use super::goal::{Limits, PlanError};
 use super::piece::{Offset, Slope, ramp_distance};
-use crate::clock::{Clock, Fine};
+use crate::clock::{Clock, Uq96};
 use crate::divide::{estimate, quotient};
 use crate::fixed::Exact;
 use crate::low;
@@ -104,7 +104,7 @@ pub(super) fn plan(
 }
 
 /// Whether braking from a speed, which takes so long, leads 2³² steps away or more: half of speed · time bounds it well enough.
-fn is_beyond_span(speed: Fine, time: Offset) -> bool {
+fn is_beyond_span(speed: Uq96, time: Offset) -> bool {
     let bits = 256 - speed.leading_zeros() - time.leading_zeros();
     bits > 160 && Wide::product(speed, time).shifted(33).is_none()
 }
@@ -132,7 +132,7 @@ fn indistinct(stop_time: Offset) -> u128 {
 
 /// What is left of the speed at the target.
 struct End {
-    speed: Fine,
+    speed: Uq96,
     /// How long it takes to brake from it to rest, and how far.
     time: Offset,
     distance: u128,
@@ -145,7 +145,7 @@ impl End {
         distance: 0,
     };
 
-    fn of(speed: Fine, deceleration: &Slope) -> Self {
+    fn of(speed: Uq96, deceleration: &Slope) -> Self {
         if speed == 0 {
             return Self::REST;
         }
@@ -172,7 +172,7 @@ impl Route {
     fn follow(
         &self,
         mut builder: PlanBuilder<'_>,
-        mut speed: Fine,
+        mut speed: Uq96,
         mut distance: u128,
         target: i128,
     ) -> Result<(), PlanError> {
@@ -232,7 +232,7 @@ impl Route {
     ///
     /// 32 significant bits are plenty. The duration is at its minimum at the exact peak, so what is lost there enters it squared; and
     /// because the peak is rounded down, there is always some cruise left to take up the difference.
-    fn peak(&self, half_acceleration: Fine, speed: Fine, distance: u128) -> Fine {
+    fn peak(&self, half_acceleration: Uq96, speed: Uq96, distance: u128) -> Uq96 {
         let mut square = Wide::product(half_acceleration << 2, distance);
         if speed != 0 {
             square = square.plus(Wide::product(speed, speed));
@@ -250,7 +250,7 @@ impl Route {
         // share · 2^(exponent − below): an even exponent, so that its root is a shift.
         let exponent = exponent.cast_signed() - below;
         let odd = exponent & 1;
-        let speed = Fine::from(root(share >> odd));
+        let speed = Uq96::from(root(share >> odd));
         let half = (exponent + odd) / 2;
         if half < 0 {
             speed >> (half.unsigned_abs() & 127)

@@ -6,7 +6,7 @@
 use super::goal::SIN_SQUARED;
 use super::phase::{Phase, whole};
 use super::sine;
-use crate::clock::{Clock, Fine, Ticks};
+use crate::clock::{Clock, Ticks, Uq96, Uq128};
 use crate::divide::Divisor;
 use crate::low;
 
@@ -138,7 +138,7 @@ impl Piece {
     }
 
     /// A sixth of its jerk, or of that at which a sin² ramp is left.
-    pub(super) fn sixth_jerk(&self) -> Fine {
+    pub(super) fn sixth_jerk(&self) -> Uq128 {
         match self.shape {
             Shape::Cubic(sixth_jerk) => sixth_jerk.unsigned_abs(),
             Shape::Sine(time) if SIN_SQUARED => sine::jerk(self.half_acceleration, time),
@@ -249,7 +249,7 @@ pub(super) fn distance_at(velocity: i128, time: Offset) -> i128 {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Slope {
     /// Half of it, Q96 steps per tick².
-    pub(crate) half: Fine,
+    pub(crate) half: Uq96,
     divisor: Divisor,
 }
 
@@ -265,7 +265,7 @@ impl Slope {
 
     /// How long it takes to change speed by `change`.
     #[inline]
-    pub(crate) fn time(&self, change: Fine) -> Offset {
+    pub(crate) fn time(&self, change: Uq96) -> Offset {
         // Speeds have at most 96 bits, so the shift loses nothing.
         self.divisor.quotient(change << 31, 0)
     }
@@ -274,8 +274,8 @@ impl Slope {
 /// The distance of a ramp that lasts `time` and starts at `speed`: growing, or with `braking` falling. Modulo 2³² steps.
 #[inline(never)]
 pub(crate) fn ramp_distance(
-    speed: Fine,
-    half_acceleration: Fine,
+    speed: Uq96,
+    half_acceleration: Uq96,
     time: Offset,
     braking: bool,
 ) -> u128 {

@@ -14,7 +14,7 @@
 //! chosen so that this is less than 0.01 steps, for ramps of up to 17 million steps; longer ones are off by 3·10⁻¹⁰ of Δv·T.
 
 use super::piece::{Instant, Offset, Piece, Shape, distance_at, over_time};
-use crate::clock::{Fine, Ticks};
+use crate::clock::{Ticks, Uq96, Uq128};
 use crate::divide::{estimate, quotient};
 use crate::low;
 
@@ -216,11 +216,11 @@ fn sine(k: u32) -> u64 {
 
 /// A sixth of the jerk, Q128 steps per tick³, at which a ramp is left that takes `time`: 5.06·Δv/T², to some 30 bits. It begins and ends with 4.97
 /// at most. With as much its acceleration is at zero before its velocity is at the end.
-pub(super) fn jerk(half_acceleration: i128, time: Offset) -> Fine {
+pub(super) fn jerk(half_acceleration: i128, time: Offset) -> Uq128 {
     let (number, above) = leading((half_acceleration.unsigned_abs() * 27) >> 4);
     let (divisor, below) = leading(time);
     // Less than one, so a digit with 31 bits behind the point. A time has more than 32 bits, an acceleration less than 90.
-    let jerk = Fine::from(estimate(u64::from(number) << 31, divisor)) << (above + 33);
+    let jerk = Uq128::from(estimate(u64::from(number) << 31, divisor)) << (above + 33);
     (jerk >> below).max(1)
 }
 
@@ -232,11 +232,11 @@ fn leading(value: u128) -> (u32, u32) {
 }
 
 /// The same of the ramp that changes the velocity by `change` within these limits: 5.06·a²/Δv, with one division.
-pub(super) fn jerk_of(half_acceleration: Fine, change: Fine) -> Fine {
+pub(super) fn jerk_of(half_acceleration: Uq96, change: Uq96) -> Uq128 {
     // 32 bits of it are plenty.
     let (lead, below) = leading(half_acceleration);
     let exact = quotient(
-        (Fine::from(lead) * Fine::from(lead) * 27) >> 3,
+        (u128::from(lead) * u128::from(lead) * 27) >> 3,
         1,
         change.max(1),
     );

@@ -22,7 +22,7 @@ use super::builder::{Origin, PlanBuilder};
 use super::move_to::distance_to;
 use super::piece::Offset;
 use super::{Goal, Limits, Plan, PlanError, Start};
-use crate::clock::{Clock, Fine, TOP_SIXTH_JERK};
+use crate::clock::{Clock, TOP_SIXTH_JERK, Uq128};
 use crate::speed::{SignedSpeed, Speed};
 use number::Number;
 use ramp::{Jerk, Lead, Limit, Motion, Ramp, RoughLimit, stopping_distance};
@@ -71,7 +71,7 @@ pub(super) fn plan(
     start: &Start,
     goal: Goal,
     limits: Limits,
-    sixth_jerk: Fine,
+    sixth_jerk: Uq128,
 ) -> Result<(), PlanError> {
     let is_stop = goal == Goal::Velocity(SignedSpeed::ZERO);
     if limits.velocity == Speed::ZERO && !is_stop {

@@ -11,21 +11,21 @@ use core::cell::Cell;
 
 use super::number::Number;
 use super::rough::{Kind, Rough};
-use crate::clock::Fine;
+use crate::clock::{Uq96, Uq128};
 use crate::plan::piece::{Offset, distance_at};
 
 /// The jerk, as it is worked with.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Jerk {
     /// A sixth of it, Q128 steps per tick³: the coefficient of a cubic. At most `TOP_SIXTH_JERK`.
-    pub(crate) sixth: Fine,
+    pub(crate) sixth: Uq128,
     inverse: Number,
     /// All of it.
     pub(super) rough: Rough,
 }
 
 impl Jerk {
-    pub(super) fn new(sixth: Fine) -> Self {
+    pub(super) fn new(sixth: Uq128) -> Self {
         let whole = Number::of(sixth.wrapping_mul(6).cast_signed(), Kind::Jerk);
         Self {
             sixth,
@@ -63,7 +63,7 @@ pub(super) struct RoughLimit {
 }
 
 impl Limit {
-    pub(super) fn new(most: Fine, jerk: &Jerk) -> Self {
+    pub(super) fn new(most: Uq96, jerk: &Jerk) -> Self {
         let most = most.cast_signed();
         let number = Number::of(most, Kind::Acceleration);
         let entry = number.times(jerk.inverse);
