@@ -242,7 +242,7 @@ impl Exact {
         }
     }
 
-    /// The position as the stepper walks it, rounded down. Whoever asks which step is due rounds
+    /// The position as the stepper takes it, rounded down. Whoever asks which step is due rounds
     /// as it does: next to the middle between two steps [`Exact::rounded`] may be at another one.
     #[inline]
     pub(crate) const fn floor(self) -> Position {

@@ -1,7 +1,7 @@
 //! Exact integer motion: where a stepper axis is to be at every tick of its timer, and the pulses that take it there.
 //!
 //! A command becomes a [`Plan`], a closed form that ends on the target by construction. An [`Axis`] follows it, or its [`Mean`], or a path of
-//! set-points, as polynomials; one stepper walks along these and turns them into [`Record`]s, which a [`PulseSink`] plays: a DMA ring,
+//! set-points, as polynomials; one stepper evaluates these and turns them into [`Record`]s, which a [`PulseSink`] plays: a DMA ring,
 //! an interrupt, a simulated motor. The pulses that were sent always add up to the distance that was commanded, whatever happened on the way.
 //!
 //! # Glossary

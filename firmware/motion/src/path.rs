@@ -152,7 +152,7 @@ impl Segment {
     fn at(&self, t: Ticks) -> Polynomial {
         let mut polynomial = self.polynomial;
         // It is within the segment, which is shorter than 2³² ticks.
-        polynomial.walk(low::u32(t.saturating_sub(self.start)));
+        polynomial.advance_by(low::u32(t.saturating_sub(self.start)));
         polynomial
     }
 }
@@ -305,7 +305,7 @@ impl Path {
         };
         let mut polynomial = Polynomial::line(self.rest, from);
         // The time for which it goes on is a few segments.
-        polynomial.walk(low::u32(t.saturating_sub(last.polynomial.end)));
+        polynomial.advance_by(low::u32(t.saturating_sub(last.polynomial.end)));
         Some(polynomial)
     }
 
@@ -324,7 +324,7 @@ impl Path {
         if self.ends_in_motion()
             && let Some(mut last) = last
         {
-            last.walk(1);
+            last.advance_by(1);
             there.position = last.position.0;
         }
         there

@@ -1,7 +1,7 @@
 //! The stepper: from polynomials of a trajectory to pulses.
 //!
 //! Whatever the motion is, a ramp, a mean or a path, it comes as polynomials of degree 3 at most, and here is the one way from these to records. The
-//! stepper walks along its polynomial in *chords*: it goes on by some ticks, in integers and without rounding, counts the steps between, and finds the
+//! stepper advances on its polynomial by *chords*: by some ticks each, in integers and without rounding, counts the steps between, and finds the
 //! ticks of the first pulse and of the last one. In between they are evenly spaced.
 //!
 //! Where pulses are many, a tick is found from the velocity there, by one division of 32 bits, and a chord goes on with the period of
@@ -31,7 +31,7 @@ const PERIODS_PER_CHORD: u32 = 16;
 /// From this velocity on, Q32 steps per tick, the ticks of a part of a period are a division by 32 bits, to within a tick.
 const FAST: u32 = 1 << 17;
 
-/// Walks along a polynomial, and makes records of it.
+/// Advances along a polynomial, and makes records of it.
 #[derive(Debug, Clone)]
 pub(crate) struct Stepper {
     /// Up to here the motion has become records, but for one open period.
@@ -196,22 +196,23 @@ impl Stepper {
     /// It is not far from what was committed, so 32 bits of it are told.
     pub(crate) fn emit(&mut self, enough: u32) {
         if !self.train.flush(self.horizon, enough) {
-            self.walk(enough);
+            self.next_chord(enough);
             self.train.flush(self.horizon, enough);
         }
     }
 
+    /// Advances by a chord, and makes the records of it.
     #[inline(never)]
-    fn walk(&mut self, enough: u32) {
+    fn next_chord(&mut self, enough: u32) {
         let begin = self.horizon;
         let (from, first_rate) = (self.polynomial.position.floor(), speed(&self.polynomial));
         let length = self.length(enough, first_rate);
         self.horizon = begin.wrapping_add(length.into());
         let mut rate = first_rate;
         if self.is_line {
-            self.polynomial.walk_line(length);
+            self.polynomial.advance_line_by(length);
         } else {
-            self.polynomial.walk(length);
+            self.polynomial.advance_by(length);
             rate = speed(&self.polynomial);
         }
         if rate < self.fast || rate > self.longest_up_to {
@@ -331,7 +332,7 @@ impl Stepper {
         self.train.run(begin, length, &pulses);
     }
 
-    /// Whether the speed grows where the polynomial has been walked to.
+    /// Whether the speed grows where the polynomial has come to.
     fn is_speeding_up(&self) -> bool {
         (self.polynomial.half.0 ^ self.polynomial.velocity.0) >= 0
     }
@@ -347,7 +348,7 @@ impl Stepper {
     }
 }
 
-/// How fast a polynomial is where it has been walked to, either way, Q32 steps per tick; `u32::MAX` if it is faster than there are pulses.
+/// How fast a polynomial is where it has come to, either way, Q32 steps per tick; `u32::MAX` if it is faster than there are pulses.
 #[inline]
 fn speed(polynomial: &Polynomial) -> u32 {
     let velocity = polynomial.velocity.floor();

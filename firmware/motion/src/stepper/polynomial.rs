@@ -1,7 +1,7 @@
-//! What every trajectory comes as: polynomials of degree 3 at most, one behind the other, that the stepper walks along.
+//! What every trajectory comes as: polynomials of degree 3 at most, one behind the other, along which the stepper advances.
 //!
 //! Position, velocity, half of the acceleration and a sixth of the jerk are those at one tick; to go on by n ticks is to move all of them there. Lines
-//! and parabolas are walked without rounding. What a cubic rounds is less than 2⁻³⁰ steps in a minute.
+//! and parabolas are advanced without rounding. What a cubic rounds is less than 2⁻³⁰ steps in a minute.
 
 use crate::clock::Ticks;
 use crate::divide::by_digit;
@@ -67,12 +67,12 @@ impl Polynomial {
 
     /// Goes on by so many ticks, if its velocity stays.
     #[inline]
-    pub(crate) fn walk_line(&mut self, ticks: u32) {
+    pub(crate) fn advance_line_by(&mut self, ticks: u32) {
         self.position = self.position.plus(self.velocity.times(ticks));
     }
 
     /// Goes on by so many ticks.
-    pub(crate) fn walk(&mut self, ticks: u32) {
+    pub(crate) fn advance_by(&mut self, ticks: u32) {
         let mut half = self.half;
         let mut growth = Q96::ZERO;
         if self.sixth != Q128::ZERO {
@@ -81,7 +81,7 @@ impl Polynomial {
             self.half = half.plus(growth).plus(growth);
         }
         if half == Q96::ZERO && growth == Q96::ZERO {
-            self.walk_line(ticks);
+            self.advance_line_by(ticks);
             return;
         }
         let gain = half.times(ticks);
@@ -125,7 +125,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_walk_in_many_strides_is_a_walk_in_one(
+        fn many_advances_are_one_over_their_sum(
             velocity in -1i128 << 90..1 << 90,
             half in -1i128 << 62..1 << 62,
             strides in prop::collection::vec(1u32..100_000, 1..100),
@@ -134,9 +134,9 @@ mod tests {
             let mut one = Polynomial { half: Q96(half), ..Polynomial::line(0, from) };
             let mut many = one;
             for stride in &strides {
-                many.walk(*stride);
+                many.advance_by(*stride);
             }
-            one.walk(strides.iter().sum());
+            one.advance_by(strides.iter().sum());
             prop_assert_eq!(one, many);
         }
 
@@ -151,9 +151,9 @@ mod tests {
             let mut one = Polynomial { half: Q96(half), sixth: Q128(sixth), ..Polynomial::line(0, from) };
             let mut many = one;
             for stride in &strides {
-                many.walk(*stride);
+                many.advance_by(*stride);
             }
-            one.walk(strides.iter().sum());
+            one.advance_by(strides.iter().sum());
             let off = one.position.minus(many.position).0;
             prop_assert!(off.unsigned_abs() < 1 << 62, "{off} Q96 steps");
         }
@@ -168,7 +168,7 @@ mod tests {
             let from = Exact { position: 9 << 96, velocity: first };
             let to = Exact { position: (9 << 96) + distance, velocity: last };
             let mut polynomial = Polynomial::between(from, (0, to), length);
-            polynomial.walk(length);
+            polynomial.advance_by(length);
             let off = polynomial.position.minus(Q96(to.position)).0.unsigned_abs();
             prop_assert!(off < 1 << 86, "{off} Q96 steps");
             let off = polynomial.velocity.minus(Q96(to.velocity)).0.unsigned_abs();
