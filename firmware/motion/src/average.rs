@@ -30,7 +30,7 @@ pub(crate) use window::Window;
 const MOST: u64 = u64::MAX >> 1;
 
 /// Samples that are taken of a parabola before it is looked at again.
-const MOST_WALKED: u32 = 1 << 16;
+const MOST_SAMPLED: u32 = 1 << 16;
 
 /// Where the mean is, and what it is made of.
 ///
@@ -50,12 +50,12 @@ pub(crate) struct Average {
     old: i64,
     stride: i64,
     /// From the oldest sample to the newest, Q32 steps.
-    spread: i64,
+    window_distance: i64,
     /// What the mean has left over, in parts of 2⁻³² steps of which 2·count are one.
     left: i32,
     /// Where the plan was looked at last, and how it goes on.
-    walk: Walk,
-    /// So many intervals of the grid will the plan have kept the velocity `pace`, Q96, or stood, at the end of the walk.
+    sampler: Sampler,
+    /// So many intervals of the grid will the plan have kept the velocity `pace`, Q96, or stood, when the sampler has come to its end.
     straight: u32,
     pace: i128,
     stands: bool,
@@ -74,10 +74,10 @@ pub(crate) struct Average {
     ring: [i64; SAMPLES],
 }
 
-/// A plan that is walked along in intervals of the grid, as long as it is one parabola. Q96 steps.
+/// Samples of a plan at the points of the grid, by forward differences, as long as it is one parabola. Q96 steps.
 #[derive(Debug, Clone)]
-struct Walk {
-    /// So many intervals it leads on.
+struct Sampler {
+    /// Samples that are left.
     left: u32,
     /// More by half of what a sample can tell.
     position: i128,
@@ -86,7 +86,7 @@ struct Walk {
     growth: i128,
 }
 
-impl Walk {
+impl Sampler {
     /// Nothing is known of the plan.
     const NONE: Self = Self {
         left: 0,
@@ -116,9 +116,9 @@ impl Average {
             before: 0,
             old: 0,
             stride: 0,
-            spread: 0,
+            window_distance: 0,
             left: 0,
-            walk: Walk::NONE,
+            sampler: Sampler::NONE,
             straight: 0,
             pace: 0,
             stands: false,
@@ -167,20 +167,22 @@ impl Average {
         let newest = sample(state.position);
         let stride = product(state.velocity, self.window.grid);
         self.stride = (stride.wrapping_add(1 << 63) >> 64) as i64;
-        self.spread = self.stride.wrapping_mul(count);
+        self.window_distance = self.stride.wrapping_mul(count);
         self.before = self.window.count.into();
-        self.old = newest.wrapping_sub(self.spread).wrapping_add(self.stride);
+        self.old = newest
+            .wrapping_sub(self.window_distance)
+            .wrapping_add(self.stride);
         self.place = 0;
         // The mean is half a window behind.
-        let mean = newest.wrapping_sub(self.spread >> 1);
-        self.left = low::i32(count.wrapping_mul(self.spread & 1)).wrapping_neg();
-        self.walk = Walk::NONE;
+        let mean = newest.wrapping_sub(self.window_distance >> 1);
+        self.left = low::i32(count.wrapping_mul(self.window_distance & 1)).wrapping_neg();
+        self.sampler = Sampler::NONE;
         self.straight = self.window.count.into();
         self.pace = state.velocity;
         self.stands = false;
         self.until = at;
         self.to.position = Position::from_bits(mean);
-        self.to.velocity = Velocity::from_bits(rate(self.spread, self.per_window));
+        self.to.velocity = Velocity::from_bits(rate(self.window_distance, self.per_window));
         (self.since, self.distance, self.gain) = (0, 0, 0);
         self.line = None;
     }
@@ -197,7 +199,7 @@ impl Average {
     /// The plan has been changed, to begin at [`Average::joint`].
     pub(crate) fn rejoin(&mut self, plan: &mut Plan) {
         self.straight = self.straight();
-        self.walk = Walk::NONE;
+        self.sampler = Sampler::NONE;
         self.stands = false;
         if self.line.is_some() {
             plan.enter(plan.start());
@@ -232,7 +234,7 @@ impl Average {
 
     /// So many intervals of the grid has the plan kept its velocity.
     const fn straight(&self) -> u32 {
-        self.straight.saturating_sub(self.walk.left)
+        self.straight.saturating_sub(self.sampler.left)
     }
 
     /// Whether it has all over the window.
@@ -245,7 +247,7 @@ impl Average {
     pub(crate) fn polynomial_at(&mut self, plan: &Plan, t: Ticks) -> Polynomial {
         if self.until <= t {
             self.fresh = None;
-            if self.walk.left == 0 {
+            if self.sampler.left == 0 {
                 self.look_on(plan);
             } else {
                 self.step();
@@ -299,10 +301,10 @@ impl Average {
     /// Goes on to the next sample, where the plan is the parabola that it was.
     #[inline]
     fn step(&mut self) {
-        let walk = &mut self.walk;
-        walk.left -= 1;
-        walk.position = walk.position.wrapping_add(walk.distance);
-        walk.distance = walk.distance.wrapping_add(walk.growth);
+        let sampler = &mut self.sampler;
+        sampler.left -= 1;
+        sampler.position = sampler.position.wrapping_add(sampler.distance);
+        sampler.distance = sampler.distance.wrapping_add(sampler.growth);
         self.take();
     }
 
@@ -321,7 +323,7 @@ impl Average {
         self.since = self.window.grid;
         if self.is_over() {
             // But for what was left over it is there.
-            self.to.position = Position::from_bits(self.walk.sample());
+            self.to.position = Position::from_bits(self.sampler.sample());
             self.left = 0;
         }
     }
@@ -340,7 +342,7 @@ impl Average {
         }
         let late = product(self.pace, self.window.ticks()) >> 1;
         self.straight = self.straight();
-        self.walk = Walk::NONE;
+        self.sampler = Sampler::NONE;
         self.until = corner;
         let line = Exact {
             position: from.position.wrapping_sub(late),
@@ -350,10 +352,10 @@ impl Average {
         true
     }
 
-    /// Goes to the mean with the sample of the plan that has been walked to.
+    /// Goes to the mean with the sample that the sampler has come to.
     #[inline(never)]
     fn take(&mut self) {
-        let newest = self.walk.sample();
+        let newest = self.sampler.sample();
         let mut oldest = newest;
         if let Some(room) = self.ring.get_mut(self.place as usize % SAMPLES) {
             oldest = core::mem::replace(room, newest);
@@ -368,9 +370,9 @@ impl Average {
             self.old = oldest.wrapping_add(self.stride);
         }
 
-        let spread = newest.wrapping_sub(oldest);
-        // The sum of the samples grows by half of what the spread was and half of what it is.
-        let sum = self.spread.wrapping_add(spread);
+        let window_distance = newest.wrapping_sub(oldest);
+        // The sum of the samples grows by half of what the distance over the window was and half of what it is.
+        let sum = self.window_distance.wrapping_add(window_distance);
         let sum = sum.wrapping_add(self.left.into());
         let distance = part(sum, self.per_count);
         let shared = low::u32(distance.cast_unsigned()).wrapping_mul(self.window.count.into()) << 1;
@@ -378,17 +380,17 @@ impl Average {
         self.left = low::u32(sum.cast_unsigned())
             .wrapping_sub(shared)
             .cast_signed();
-        self.spread = spread;
+        self.window_distance = window_distance;
         self.distance = distance;
         let position = self.to.position.bits().wrapping_add(distance);
-        let velocity = rate(spread, self.per_window);
+        let velocity = rate(window_distance, self.per_window);
         self.gain = velocity.wrapping_sub(self.to.velocity.bits());
         self.to.position = Position::from_bits(position);
         self.to.velocity = Velocity::from_bits(velocity);
         self.until = self.until.saturating_add(self.window.grid.into());
     }
 
-    /// Looks at the plan an interval behind tick `at`, whether it has kept its velocity since then, and how far it can be walked along.
+    /// Looks at the plan an interval behind tick `at`, whether it has kept its velocity since then, and how far the sampler may go.
     fn look(&mut self, plan: &Plan, at: Ticks) {
         let straight = self.straight();
         let next = at.saturating_add(self.window.grid.into());
@@ -424,7 +426,7 @@ impl Average {
         };
         let before = corner.saturating_sub(next).saturating_sub(1);
         let (intervals, _) = by_digit(before, grid);
-        let mut left = low::u32(intervals.min(MOST_WALKED.into()));
+        let mut left = low::u32(intervals.min(MOST_SAMPLED.into()));
         if growth == 0 {
             // When it has kept its velocity all over the window that must be seen.
             let count = u32::from(self.window.count) - 1;
@@ -432,7 +434,7 @@ impl Average {
             self.straight = self.straight.saturating_add(left);
         }
         let position = if stands { rest } else { ahead.position };
-        self.walk = Walk {
+        self.sampler = Sampler {
             left,
             position: position.wrapping_add(1 << 63),
             distance: product(pace.wrapping_add(gain), grid),
