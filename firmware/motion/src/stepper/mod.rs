@@ -112,7 +112,7 @@ impl Stepper {
     /// The tick up to which there are records, and the steps up to there, modulo 2³².
     #[inline]
     pub(crate) const fn made(&self) -> (Ticks, i32) {
-        (self.train.pen, self.train.steps_at_pen())
+        (self.train.recorded, self.train.recorded_steps())
     }
 
     /// The records to commit.
@@ -152,7 +152,7 @@ impl Stepper {
     /// Closes the open period at the horizon, or as soon after it as the driver allows. The axis stands.
     pub(crate) fn close(&mut self) {
         self.train.close(self.horizon);
-        self.horizon = self.horizon.max(self.train.pen);
+        self.horizon = self.horizon.max(self.train.recorded);
     }
 
     /// Whether the polynomial goes on from the horizon.

@@ -61,7 +61,7 @@ pub(super) struct Train {
     /// Steps made, modulo 2³².
     pub(super) steps: i32,
     /// Up to here there are records. What follows is the open period.
-    pub(super) pen: Ticks,
+    pub(super) recorded: Ticks,
     /// The step of the pulse with which the open period begins, 1 or −1; 0 if it is silent.
     open_step: i32,
     /// The period of the last run; 0 if there is none before the open period.
@@ -72,8 +72,8 @@ pub(super) struct Train {
 }
 
 impl Train {
-    /// A train that stands at `steps` at tick `pen`. `segment` is brought into a range that `timing` allows.
-    pub(super) fn new(timing: DriverTiming, segment: u32, steps: i32, pen: Ticks) -> Self {
+    /// A train that stands at `steps` at tick `now`. `segment` is brought into a range that `timing` allows.
+    pub(super) fn new(timing: DriverTiming, segment: u32, steps: i32, now: Ticks) -> Self {
         let timing = timing.checked();
         let shortest = timing.shortest_period();
         let least = shortest.max(SHORTEST_RECORD);
@@ -94,7 +94,7 @@ impl Train {
                 .min(1 << 28)
                 .max((hold + setup) * 2),
             steps,
-            pen,
+            recorded: now,
             open_step: 0,
             period: 0,
             direction: None,
@@ -102,10 +102,10 @@ impl Train {
         }
     }
 
-    /// Starts anew at `steps` and `pen`: what was open or not committed is dropped, and the direction is unknown.
-    pub(super) fn reset(&mut self, steps: i32, pen: Ticks) {
+    /// Starts anew at `steps` and `now`: what was open or not committed is dropped, and the direction is unknown.
+    pub(super) fn reset(&mut self, steps: i32, now: Ticks) {
         self.steps = steps;
-        self.pen = pen;
+        self.recorded = now;
         self.open_step = 0;
         self.period = 0;
         self.direction = None;
@@ -114,7 +114,7 @@ impl Train {
 
     /// Whether nothing is open at tick `now`.
     pub(super) const fn is_closed(&self, now: Ticks) -> bool {
-        self.open_step == 0 && self.pen >= now
+        self.open_step == 0 && self.recorded >= now
     }
 
     /// The records to commit.
@@ -145,16 +145,18 @@ impl Train {
         core::mem::replace(&mut self.is_overrun, false)
     }
 
-    /// Steps up to the pen, modulo 2³²: those made, but for the one in the open period.
+    /// Steps up to the end of the records, modulo 2³²: those made, but for the one in the open period.
     #[inline]
-    pub(super) const fn steps_at_pen(&self) -> i32 {
+    pub(super) const fn recorded_steps(&self) -> i32 {
         self.steps.wrapping_sub(self.open_step)
     }
 
-    /// Ticks from the pen to `now`; negative if the pen is ahead. A few segments at most, either way.
+    /// Ticks from the end of the records to `now`; negative if they go further. A few segments at most, either way.
     #[inline]
     pub(super) const fn open_at(&self, now: Ticks) -> i32 {
-        low::u32(now).wrapping_sub(low::u32(self.pen)).cast_signed()
+        low::u32(now)
+            .wrapping_sub(low::u32(self.recorded))
+            .cast_signed()
     }
 
     /// How far behind a tick there have to be chords for [`Train::flush`] to bring the records up to it.
@@ -333,10 +335,10 @@ impl Train {
         self.keep(self.pulses(first.0, first.1, direction));
         self.keep(self.pulses(second.0, second.1, direction));
         self.period = base;
-        self.pen = self.pen.wrapping_add(span.into());
+        self.recorded = self.recorded.wrapping_add(span.into());
     }
 
-    /// Ticks from the pen to the earliest pulse in `direction`.
+    /// Ticks from the end of the records to the earliest pulse in `direction`.
     const fn wait(&self, direction: Direction) -> i32 {
         let is_turning = match self.direction {
             Some(before) => before.sign() != direction.sign(),
@@ -385,7 +387,7 @@ impl Train {
                 width,
                 direction,
             });
-            self.pen = self.pen.wrapping_add(part.into());
+            self.recorded = self.recorded.wrapping_add(part.into());
             self.open_step = 0;
             ticks -= part;
         }
@@ -393,12 +395,12 @@ impl Train {
         self.period = 0;
     }
 
-    /// A run of so many periods, and the pen behind it.
+    /// A run of so many periods.
     #[inline]
     fn make(&mut self, period: u32, count: u32, direction: Direction) {
         self.keep(self.pulses(period, count, direction));
         self.period = period;
-        self.pen = self.pen.wrapping_add((period * count).into());
+        self.recorded = self.recorded.wrapping_add((period * count).into());
     }
 
     #[inline]

@@ -23,7 +23,7 @@ fn spaced(gaps: u32, span: u32) -> Vec<Record> {
     train.space((gaps, span / gaps), span, true, Direction::Forward);
     let records = train.waiting().to_vec();
     let ticks: u64 = records.iter().map(Record::ticks).sum();
-    assert_eq!(ticks, train.pen);
+    assert_eq!(ticks, train.recorded);
     records
 }
 
