@@ -196,7 +196,7 @@ impl Average {
         self.anchor(at, state);
     }
 
-    /// The plan has been changed, to begin at [`Average::joint`].
+    /// The plan has been changed, to begin at [`Average::junction`].
     pub(crate) fn rejoin(&mut self, plan: &mut Plan) {
         self.straight = self.straight();
         self.sampler = Sampler::NONE;
@@ -208,7 +208,7 @@ impl Average {
     }
 
     /// The tick at which the plan may be changed, if the mean is at `horizon`: up to there it has been looked at.
-    pub(crate) const fn joint(&self, horizon: Ticks) -> Ticks {
+    pub(crate) const fn junction(&self, horizon: Ticks) -> Ticks {
         if self.line.is_some() {
             horizon
         } else {

@@ -19,14 +19,14 @@
 //! | corner | the tick at which one phase or segment ends and the next begins |
 //! | ramp | a change of velocity: linear, sin², with limited jerk, or the moving average of a linear one |
 //! | mean | the moving average of a plan over a *window* of time, taken from samples on a *grid* |
-//! | joint | the tick at which the plan below a mean may change: up to there it has been sampled |
+//! | junction | the tick at which the plan below a mean may change: up to there it has been sampled |
 //! | path | set-points with their ticks, as cyclic modes give them; from one to the next is a *segment* of it |
 //! | polynomial | of degree 3 at most, up to an end tick: what every trajectory comes as |
 //! | piece | a ramp or a cruise of a plan, as the plan keeps it until one of its phases is entered |
 //! | chord | as much of a polynomial as becomes pulses in one go: evenly spaced between its first crossing and its last |
 //! | crossing | where the position passes the middle between two whole steps: there the pulse belongs |
 //! | record | a run of equal periods, each with a pulse, or silence; what a sink plays |
-//! | train | the account of steps and ticks that makes records of chords; its *pen* is where these end |
+//! | train | the account of steps and ticks that makes records of chords |
 //! | open period | the time behind the last pulse, which becomes a record when it is known how long it is |
 //! | segment | a quarter of a millisecond on the board: a refill hands out one, and two are committed |
 //! | committed | given to the timer as records: it will be played, whatever is ordered |

@@ -70,16 +70,16 @@ impl Followed {
 
     /// Another plan, in place of the last one.
     fn redirect(&mut self, horizon: Ticks, goal: Goal, limits: Limits) {
-        let joint = self.average.joint(horizon);
+        let junction = self.average.junction(horizon);
         let mut plan = self.plans.last().unwrap().1.clone();
         if plan
-            .replan(clock(), joint, goal, limits, Ramps::Linear)
+            .replan(clock(), junction, goal, limits, Ramps::Linear)
             .is_ok()
         {
             self.average.rejoin(&mut plan);
-            self.plans.push((joint, plan));
+            self.plans.push((junction, plan));
             if let Some(last) = self.pieces.last_mut() {
-                last.0 = last.0.min(joint);
+                last.0 = last.0.min(junction);
             }
         }
     }
@@ -164,14 +164,14 @@ proptest! {
         followed.run(Ticks::MAX);
 
         // In its end it is where the last plan is, to the last bit of a position, one window later than that.
-        let (joint, plan) = followed.plans.last().unwrap().clone();
+        let (junction, plan) = followed.plans.last().unwrap().clone();
         let end = plan.end().unwrap();
         prop_assert!(followed.average.is_over());
         let there = followed.average.exact_at(followed.average.until());
         prop_assert_eq!(there, Exact { position: i128::from(sample(plan.exact_at(end).position)) << 64, velocity: 0 });
-        let late = followed.average.until() - end.max(joint);
+        let late = followed.average.until() - end.max(junction);
         let grid = u64::from(window.grid);
-        prop_assert!(end <= joint || late + grid > window.ticks().into());
+        prop_assert!(end <= junction || late + grid > window.ticks().into());
         prop_assert!(late < u64::from(window.ticks()) + grid, "{late} ticks behind the plan");
 
         let hardest = orders.iter().map(|(_, limits, _)| f64::from(limits.acceleration.max(limits.deceleration)));

@@ -24,7 +24,7 @@ pub struct Draft {
     acceleration: u32,
     mean_jerk: u32,
     ramps: Ramps,
-    /// The motion at the commit horizon; that of the plan at its joint, if its mean goes on along another one.
+    /// The motion at the commit horizon; that of the plan at its junction, if its mean goes on along another one.
     start: Start,
     /// The window of that mean.
     kept: Option<Window>,
@@ -249,8 +249,8 @@ impl Axis {
                 None => match fresh {
                     Some(begin) => Start::steady(horizon, begin),
                     None => {
-                        let joint = self.average.joint(horizon);
-                        Start::steady(joint, self.plan.exact_at(joint))
+                        let junction = self.average.junction(horizon);
+                        Start::steady(junction, self.plan.exact_at(junction))
                     }
                 },
             },
@@ -272,9 +272,9 @@ impl Axis {
     #[inline(never)]
     pub fn install(&mut self, draft: &Draft, plan: &Plan) -> bool {
         let horizon = self.horizon();
-        let is_joint = draft.kept.is_none()
-            || self.is_averaged && self.average.joint(horizon) == draft.start.tick;
-        if draft.horizon != horizon || !is_joint {
+        let is_at_junction = draft.kept.is_none()
+            || self.is_averaged && self.average.junction(horizon) == draft.start.tick;
+        if draft.horizon != horizon || !is_at_junction {
             return false;
         }
         if !matches!(draft.next, Next::Same) {

@@ -240,9 +240,9 @@ fn every_vector_is_played_with_each_form() {
 }
 
 /// Where the next plan begins: at the commit horizon, and of a mean at the next sample of its plan.
-fn joint(axis: &Axis) -> (Ticks, f64) {
+fn junction(axis: &Axis) -> (Ticks, f64) {
     let at = if axis.is_averaged {
-        axis.average.joint(axis.horizon())
+        axis.average.junction(axis.horizon())
     } else {
         axis.horizon()
     };
@@ -269,7 +269,7 @@ fn r1_target_moved_behind_in_full_flight_with_each_form() {
         axis.move_to(100_000, T01).unwrap();
         sink.follow(&axis);
         fly(&mut axis, &mut sink, 500);
-        let (at, from) = joint(&axis);
+        let (at, from) = junction(&axis);
         axis.move_to(20_000, T01).unwrap();
         sink.follow(&axis);
         let window = seconds_of_window(&axis);
@@ -301,7 +301,7 @@ fn r2_velocity_lowered_on_the_way_with_each_form() {
         axis.move_to(100_000, T01).unwrap();
         sink.follow(&axis);
         fly(&mut axis, &mut sink, 450);
-        let (at, from) = joint(&axis);
+        let (at, from) = junction(&axis);
         let slower = Limits {
             velocity: 25_000.into(),
             ..T01
@@ -343,7 +343,7 @@ fn r3_halt_and_go_on_with_each_form() {
         axis.ramp_to(100_000.into(), T01).unwrap();
         sink.follow(&axis);
         fly(&mut axis, &mut sink, 500);
-        let (at, from) = joint(&axis);
+        let (at, from) = junction(&axis);
         axis.stop(T01.deceleration).unwrap();
         sink.follow(&axis);
         let window = seconds_of_window(&axis);
