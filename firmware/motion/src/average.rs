@@ -357,8 +357,8 @@ impl Average {
     fn take(&mut self) {
         let newest = self.sampler.sample();
         let mut oldest = newest;
-        if let Some(room) = self.ring.get_mut(self.place as usize % SAMPLES) {
-            oldest = core::mem::replace(room, newest);
+        if let Some(place) = self.ring.get_mut(self.place as usize % SAMPLES) {
+            oldest = core::mem::replace(place, newest);
         }
         self.place += 1;
         if self.place >= self.window.count.into() {

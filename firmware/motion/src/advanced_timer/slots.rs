@@ -103,7 +103,7 @@ fn number_of_runs(period: u32, periods: u32) -> Option<u32> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place<'a> {
     /// Those that may still be written.
-    pub(super) room: &'a [Slot],
+    pub(super) free: &'a [Slot],
     /// The level of the direction signal in all of them.
     level: u32,
     /// Ticks of the last one written.
@@ -111,9 +111,9 @@ pub(super) struct Place<'a> {
 }
 
 impl<'a> Place<'a> {
-    pub(super) const fn new(room: &'a [Slot], level: u32) -> Self {
+    pub(super) const fn new(free: &'a [Slot], level: u32) -> Self {
         Self {
-            room,
+            free,
             level,
             last: 0,
         }
@@ -128,7 +128,7 @@ impl<'a> Place<'a> {
         if period > LONGEST_RUN {
             // Pulses below 10 kHz, and silence.
             if repeat != 1 || period > 3 * LONGEST_RUN || record.width >= WIDEST {
-                self.pass(put_long(self.room, record, self.level)?)?;
+                self.pass(put_long(self.free, record, self.level)?)?;
             } else if period > 2 * LONGEST_RUN {
                 self.put_parts::<3>(record)?;
             } else {
@@ -140,7 +140,7 @@ impl<'a> Place<'a> {
                 1 => self.put_runs::<1>(record)?,
                 2 => self.put_runs::<2>(record)?,
                 3 => self.put_runs::<3>(record)?,
-                _ => self.pass(put_many(self.room, record, (runs, self.level))?)?,
+                _ => self.pass(put_many(self.free, record, (runs, self.level))?)?,
             }
         }
         Some(ticks)
@@ -149,7 +149,7 @@ impl<'a> Place<'a> {
     /// So many have been written, and the last takes so many ticks.
     #[inline]
     fn pass(&mut self, (written, last): (usize, u32)) -> Option<()> {
-        self.room = self.room.get(written..)?;
+        self.free = self.free.get(written..)?;
         self.last = last;
         Some(())
     }
@@ -157,8 +157,8 @@ impl<'a> Place<'a> {
     /// One period in so many parts of equal length: none is short, and the pulse has room in the first.
     #[inline]
     fn put_parts<const PARTS: usize>(&mut self, record: &Record) -> Option<()> {
-        let (slots, room) = self.room.split_first_chunk::<PARTS>()?;
-        self.room = room;
+        let (slots, free) = self.free.split_first_chunk::<PARTS>()?;
+        self.free = free;
         let (mut left, mut width) = (record.period, record.width.into());
         for (slot, parts) in slots.iter().zip((1..=low::word(PARTS)).rev()) {
             let part = left / parts;
@@ -173,8 +173,8 @@ impl<'a> Place<'a> {
     /// In one run, two or three, each with a period at least, as none is longer than a run. Each is written out: loops around them are longer.
     #[inline]
     fn put_runs<const RUNS: usize>(&mut self, record: &Record) -> Option<()> {
-        let (slots, room) = self.room.split_first_chunk::<RUNS>()?;
-        self.room = room;
+        let (slots, free) = self.free.split_first_chunk::<RUNS>()?;
+        self.free = free;
         let repeat = u32::from(record.repeat);
         match slots.as_slice() {
             [slot] => self.put_run(slot, record, repeat),

@@ -102,7 +102,7 @@ proptest! {
         let slots = slots.get(..most).unwrap_or(slots);
         let mut place = Place::new(slots, LONGEST_PERIOD);
         let is_written = place.put(&record).is_some();
-        let number = (slots.len() - place.room.len()) as u32;
+        let number = (slots.len() - place.free.len()) as u32;
         prop_assert_eq!(is_written, number > 0);
         let (behind, mut last) = (first + number, place.last);
         let silent = [0, LONGEST_PERIOD - 1, MOST_PERIODS - 1, 0, 0];

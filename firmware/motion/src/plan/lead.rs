@@ -266,7 +266,7 @@ fn is_done_anyway(rest: Exact, change: i128, clock: Clock, goal: Goal, limits: L
     }
     // Whether it can be at the velocity to pass with when it gets there: 2·d·gap is not less than v² − e², by whole products.
     let end = clock.speed(passes).min(top);
-    let room = match (is_ahead, speed.checked_sub(end)) {
+    let margin = match (is_ahead, speed.checked_sub(end)) {
         (false, _) => Ordering::Less,
         (true, None) => Ordering::Greater,
         (true, Some(more)) => {
@@ -274,5 +274,9 @@ fn is_done_anyway(rest: Exact, change: i128, clock: Clock, goal: Goal, limits: L
             Wide::product(deceleration, gap).cmp(&Wide::product(more, speed + end))
         }
     };
-    if rises { room.is_ge() } else { room.is_le() }
+    if rises {
+        margin.is_ge()
+    } else {
+        margin.is_le()
+    }
 }

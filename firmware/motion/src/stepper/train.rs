@@ -271,8 +271,8 @@ impl Train {
         let mut span = (last - start).max(0).cast_unsigned();
         if span < gaps.saturating_mul(shortest) {
             // Too dense for the driver: at its highest rate, and what does not fit is due in the next chord.
-            let room = (length - start).max(0).cast_unsigned();
-            gaps = gaps.min(room.checked_div(shortest).unwrap_or(0));
+            let left = (length - start).max(0).cast_unsigned();
+            gaps = gaps.min(left.checked_div(shortest).unwrap_or(0));
             span = gaps * shortest;
         }
         let made = if joins {
@@ -416,11 +416,11 @@ impl Train {
 
     #[inline]
     fn keep(&mut self, record: Record) {
-        let room = self.made.get_mut(usize::from(self.count));
-        debug_assert!(room.is_some(), "a chord makes more records than it can");
-        match room {
-            Some(room) => {
-                *room = record;
+        let place = self.made.get_mut(usize::from(self.count));
+        debug_assert!(place.is_some(), "a chord makes more records than it can");
+        match place {
+            Some(place) => {
+                *place = record;
                 self.count += 1;
             }
             None => self.is_overrun = true,

@@ -40,8 +40,8 @@ impl<R: Registers> Output<'_, R> {
         if !self.running || !self.remainder.is_empty() {
             return 0;
         }
-        let room = MOST_SLOTS.saturating_sub(self.written.wrapping_sub(self.fetched));
-        let most = room.min(self.in_time().max(0).cast_unsigned()) as usize;
+        let free = MOST_SLOTS.saturating_sub(self.written.wrapping_sub(self.fetched));
+        let most = free.min(self.in_time().max(0).cast_unsigned()) as usize;
         let slots = self.ring.from(self.written);
         let slots = slots.get(..most).unwrap_or(slots);
         let direction = self.counted.direction();
@@ -59,7 +59,7 @@ impl<R: Registers> Output<'_, R> {
             }
             left = rest;
         }
-        let written = slots.len().wrapping_sub(place.room.len());
+        let written = slots.len().wrapping_sub(place.free.len());
         if written > 0 {
             self.written = self.written.wrapping_add(low::word(written));
             // What follows must not turn back while it is silent.

@@ -253,27 +253,27 @@ impl<'a> Moves<'a> {
 
     /// The velocity beyond the lowest of any other move: as if the distance were a parabola with what is known of it at both ends. It is where both
     /// ramps are at their limits with the lowest velocity, too.
-    fn guess(&self, low: Probe, room: Rough, top: Probe) -> Rough {
+    fn guess(&self, low: Probe, range: Rough, top: Probe) -> Rough {
         let all = top.span.minus(low.span);
         let part = self.goal.minus(low.span).over(all);
-        let rise = top.slope.times(room).over(all);
+        let rise = top.slope.times(range).over(all);
         let curvature = rise.minus(Rough::ONE).min(Rough::ONE);
         let line = Rough::ONE.minus(curvature);
         let square = line
             .times(line)
             .plus(curvature.times(part).doubled().doubled());
-        room.times(part.doubled().over(square.root().plus(line)))
+        range.times(part.doubled().over(square.root().plus(line)))
     }
 
     /// The greatest velocity for which they fit, rounded down. They do at the lowest, and do not at `high`.
-    fn greatest(&self, low: Probe, high: i128, room: Rough, top: Probe) -> i128 {
-        let (goal, mut below, mut above) = (self.goal, Rough::ZERO, room);
+    fn greatest(&self, low: Probe, high: i128, range: Rough, top: Probe) -> i128 {
+        let (goal, mut below, mut above) = (self.goal, Rough::ZERO, range);
         let guess = if self.is_from_rest {
             self.guess_from_rest()
         } else {
-            self.guess(low, room, top)
+            self.guess(low, range, top)
         };
-        let mut more = guess.min(room.halved().plus(room.halved().halved()));
+        let mut more = guess.min(range.halved().plus(range.halved().halved()));
         let mut slope = low.slope;
         for _ in 0..MOST_ROUGH {
             let probe = self.probe(more);
@@ -398,20 +398,20 @@ impl Rules<'_> {
             return None;
         }
         let moves = Moves::new(self, lead, end, distance, least);
-        let room = most.wrapping_sub(least).unsigned_abs();
-        let room = Rough::of(room, Kind::Velocity);
-        let high = moves.probe(room);
+        let range = most.wrapping_sub(least).unsigned_abs();
+        let range = Rough::of(range, Kind::Velocity);
+        let high = moves.probe(range);
         if is_top && moves.fit(most, high) {
             return Some(most);
         }
         // Without a cruise there are no ramps.
         if moves.is_from_rest && lead.ahead == 0 {
-            return Some(moves.greatest(Probe::NOTHING, most, room, high));
+            return Some(moves.greatest(Probe::NOTHING, most, range, high));
         }
         let low = moves.probe(Rough::ZERO);
         moves
             .fit(least, low)
-            .then(|| moves.greatest(low, most, room, high))
+            .then(|| moves.greatest(low, most, range, high))
     }
 }
 

@@ -186,21 +186,21 @@ fn reach(
     } else {
         motion.velocity > 0 && motion.coasting() >= 0
     };
-    let room = Room::new(&motion, gap, rules);
+    let fit = Fit::new(&motion, gap, rules);
     let mut lead = Lead::steady(motion.velocity, false);
-    if room.is_ample
+    if fit.is_ample
         && forwards
         && let Some(cruise) = rules.fastest(&motion, end, gap, &mut lead)
     {
         let builder = builder(plan, start, reverse);
         return builder.take((&motion, &lead), cruise, (gap, end, goal), rules);
     }
-    if room.is_doubtful && is_too_long(&motion, rules) {
+    if fit.is_doubtful && is_too_long(&motion, rules) {
         return Err(PlanError::OutOfRange);
     }
     // Whoever is to pass the target need not be able to stop before it.
     if end != 0 && gap != 0 && forwards {
-        let cruise = if room.is_ample {
+        let cruise = if fit.is_ample {
             None
         } else {
             rules.fastest(&motion, end, gap, &mut lead)
@@ -225,7 +225,7 @@ fn reach(
         // On which side of the target it ends is rounding: it goes on as it came.
         (is_beyond, left) = (false, 0);
     }
-    if room.is_unknown
+    if fit.is_unknown
         && !is_beyond
         && forwards
         && let Some(cruise) = rules.fastest(&motion, end, gap, &mut lead)
@@ -274,7 +274,7 @@ fn is_too_long(motion: &Motion, rules: &Rules<'_>) -> bool {
 }
 
 /// What rough numbers tell of a stop.
-struct Room {
+struct Fit {
     /// It ends before the target, without doubt.
     is_ample: bool,
     /// Nor is it certain that it ends behind it.
@@ -289,7 +289,7 @@ const DOUBT: Rough = Rough::power(-12);
 /// A distance of 2³¹ steps.
 const SPAN: Rough = Rough::power(31);
 
-impl Room {
+impl Fit {
     fn new(motion: &Motion, gap: u128, rules: &Rules<'_>) -> Self {
         if motion.is_rest() {
             return Self {
@@ -340,11 +340,11 @@ impl Room {
         let whole = start.halved().times(steady);
         let distance = whole.minus(before);
         let parts = whole.magnitude().plus(cancelled);
-        let room = Rough::of(gap, Kind::Distance).minus(distance);
+        let spare = Rough::of(gap, Kind::Distance).minus(distance);
         let doubt = parts.times(DOUBT);
-        let is_unknown = room.magnitude() <= doubt;
+        let is_unknown = spare.magnitude() <= doubt;
         Self {
-            is_ample: !is_unknown && room > Rough::ZERO,
+            is_ample: !is_unknown && spare > Rough::ZERO,
             is_unknown,
             is_doubtful: distance.magnitude().plus(doubt) >= SPAN,
         }
@@ -384,14 +384,14 @@ mod tests {
             // Nearer and nearer to it, on both sides.
             let off = (distance.unsigned_abs() >> closeness).cast_signed();
             for gap in [distance.saturating_sub(off), distance.saturating_add(off)] {
-                let room = Room::new(&motion, gap.max(0).unsigned_abs(), &rules);
+                let fit = Fit::new(&motion, gap.max(0).unsigned_abs(), &rules);
                 let is_far = distance.unsigned_abs() >= 1 << 127;
-                prop_assert!(!is_far || room.is_doubtful, "{distance}");
-                if !room.is_unknown && distance < i128::MAX {
-                    prop_assert_eq!(room.is_ample, gap.max(0) > distance, "{} for {}", gap, distance);
+                prop_assert!(!is_far || fit.is_doubtful, "{distance}");
+                if !fit.is_unknown && distance < i128::MAX {
+                    prop_assert_eq!(fit.is_ample, gap.max(0) > distance, "{} for {}", gap, distance);
                 }
                 if closeness < 5 && gap > 1 << 70 && distance.unsigned_abs() > 1 << 80 {
-                    prop_assert!(!room.is_unknown, "{gap} for {distance}");
+                    prop_assert!(!fit.is_unknown, "{gap} for {distance}");
                 }
             }
         }
