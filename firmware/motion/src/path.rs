@@ -37,9 +37,9 @@ impl core::error::Error for FollowError {}
 
 /// How the axis goes from one set-point to the next.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Manner {
+pub(crate) enum Interpolation {
     /// In a straight line.
-    Straight,
+    Linear,
     /// In a straight line at this velocity, which leads there but for what positions cannot tell.
     Steady(Velocity),
     /// On a cubic that ends with this velocity.
@@ -177,7 +177,7 @@ pub(crate) struct Path {
     first: u8,
     count: u8,
     /// How long it goes on behind the last set-point, in ticks.
-    grace: u32,
+    coasting: u32,
     /// When and where the last set-point is, and the tick from which the axis stands if nothing more comes.
     end: (Ticks, State),
     rest: Ticks,
@@ -185,14 +185,14 @@ pub(crate) struct Path {
 
 impl Path {
     /// A path that stands in `at`, to be gone on with at tick `start`.
-    pub(crate) fn new(start: Ticks, at: State, grace: u32) -> Self {
+    pub(crate) fn new(start: Ticks, at: State, coasting: u32) -> Self {
         // A segment without length: the path is at its end.
         let begin = Segment::steady(start, 0, at.position, at.position, at.velocity);
         let mut path = Self {
             segments: [begin; MOST_SEGMENTS],
             first: 0,
             count: 1,
-            grace,
+            coasting,
             end: (start, at),
             rest: start,
         };
@@ -202,8 +202,12 @@ impl Path {
 
     /// This is the last segment from now on.
     fn ends_with(&mut self, last: &Segment) {
-        let grace = if last.velocity() == 0 { 0 } else { self.grace };
-        self.rest = last.polynomial.end.saturating_add(grace.into());
+        let coasting = if last.velocity() == 0 {
+            0
+        } else {
+            self.coasting
+        };
+        self.rest = last.polynomial.end.saturating_add(coasting.into());
         self.end = (last.polynomial.end, last.to);
     }
 
@@ -220,7 +224,7 @@ impl Path {
 
     /// How many segments end before tick `t`: the number of the one in which it lies, if there is one.
     #[inline]
-    fn gone(&self, t: Ticks) -> u8 {
+    fn passed(&self, t: Ticks) -> u8 {
         let mut number = 0;
         let mut iterations = Iterations::at_most(low::word(MOST_SEGMENTS));
         while self
@@ -256,7 +260,7 @@ impl Path {
         horizon: Ticks,
         end: Ticks,
         to: Position,
-        manner: Manner,
+        interpolation: Interpolation,
     ) -> Result<(), FollowError> {
         let (last, at_last) = self.end;
         let (start, from) = if last >= horizon {
@@ -267,15 +271,19 @@ impl Path {
         let length = end.checked_sub(start).filter(|length| *length > 0);
         let length = length.ok_or(FollowError::TooLate)?;
         let length = u32::try_from(length).map_err(|_| FollowError::TooFarAhead)?;
-        let gone = self.gone(horizon);
-        let count = self.count - gone;
+        let passed = self.passed(horizon);
+        let count = self.count - passed;
         if usize::from(count) >= MOST_SEGMENTS {
             return Err(FollowError::TooFarAhead);
         }
-        let segment = match manner {
-            Manner::Straight => Segment::straight(start, length, from.position, to, self.last()),
-            Manner::Steady(velocity) => Segment::steady(start, length, from.position, to, velocity),
-            Manner::Cubic(velocity) => {
+        let segment = match interpolation {
+            Interpolation::Linear => {
+                Segment::straight(start, length, from.position, to, self.last())
+            }
+            Interpolation::Steady(velocity) => {
+                Segment::steady(start, length, from.position, to, velocity)
+            }
+            Interpolation::Cubic(velocity) => {
                 let to = State {
                     position: to,
                     velocity,
@@ -284,7 +292,7 @@ impl Path {
             }
         };
         self.ends_with(&segment);
-        self.first = self.first.wrapping_add(gone);
+        self.first = self.first.wrapping_add(passed);
         let free = usize::from(self.first.wrapping_add(count)) % MOST_SEGMENTS;
         if let Some(free) = self.segments.get_mut(free) {
             *free = segment;
@@ -295,7 +303,7 @@ impl Path {
 
     /// How the path goes on from tick `t`; `None` where it stands.
     pub(crate) fn polynomial_at(&self, t: Ticks) -> Option<Polynomial> {
-        if let Some(segment) = self.segment(self.gone(t)) {
+        if let Some(segment) = self.segment(self.passed(t)) {
             return Some(segment.at(t));
         }
         let last = self.last().filter(|_| t < self.rest)?;

@@ -4,7 +4,7 @@ use super::{Axis, Demand};
 use crate::clock::Ticks;
 use crate::fixed::{Position, State, Velocity};
 use crate::low;
-use crate::path::{FollowError, Manner, Path};
+use crate::path::{FollowError, Interpolation, Path};
 use crate::speed::SignedSpeed;
 
 impl Axis {
@@ -17,7 +17,7 @@ impl Axis {
     /// # Errors
     /// [`FollowError`]; the motion goes on as it was.
     pub fn follow(&mut self, end: Ticks, to: Position) -> Result<(), FollowError> {
-        self.go_on(end, to, Manner::Straight)
+        self.go_on(end, to, Interpolation::Linear)
     }
 
     /// As [`Axis::follow`], on a cubic that begins with the velocity that the axis has there and ends with `velocity`.
@@ -30,7 +30,7 @@ impl Axis {
         to: Position,
         velocity: Velocity,
     ) -> Result<(), FollowError> {
-        self.go_on(end, to, Manner::Cubic(velocity))
+        self.go_on(end, to, Interpolation::Cubic(velocity))
     }
 
     /// Changes the velocity evenly to `velocity` (cut to [`Axis::max_velocity`]) until tick `end` of the axis' time; on
@@ -52,12 +52,12 @@ impl Axis {
         let distance = both.wrapping_mul(length.into());
         let distance = distance.wrapping_add(self.carry.into());
         let to = from.position.bits().wrapping_add(low::i64(distance >> 25));
-        let manner = if from.velocity == velocity {
-            Manner::Steady(velocity)
+        let interpolation = if from.velocity == velocity {
+            Interpolation::Steady(velocity)
         } else {
-            Manner::Cubic(velocity)
+            Interpolation::Cubic(velocity)
         };
-        self.go_on(end, Position::from_bits(to), manner)?;
+        self.go_on(end, Position::from_bits(to), interpolation)?;
         self.carry = low::u32(low::u64(distance.cast_unsigned())) & 0x1FF_FFFF;
         Ok(())
     }
@@ -98,19 +98,24 @@ impl Axis {
         }
     }
 
-    fn go_on(&mut self, end: Ticks, to: Position, manner: Manner) -> Result<(), FollowError> {
+    fn go_on(
+        &mut self,
+        end: Ticks,
+        to: Position,
+        interpolation: Interpolation,
+    ) -> Result<(), FollowError> {
         let horizon = self.horizon();
         if let Some(path) = &mut self.path {
             // The segment that the axis is on stays as it is.
             if path.end().0 < horizon {
                 self.stepper.leave();
             }
-            return path.go_on(horizon, end, to, manner);
+            return path.go_on(horizon, end, to, interpolation);
         }
         self.stepper.leave();
-        let grace = self.stepper.segment() * 2;
-        let mut path = Path::new(horizon, self.state_at(horizon), grace);
-        path.go_on(horizon, end, to, manner)?;
+        let coasting = self.stepper.segment() * 2;
+        let mut path = Path::new(horizon, self.state_at(horizon), coasting);
+        path.go_on(horizon, end, to, interpolation)?;
         self.is_averaged = false;
         self.acceleration = 0;
         self.path = Some(path);
