@@ -23,7 +23,7 @@ use crate::brake::Brakes;
 use crate::commands::Commands;
 use crate::configuration::Configuration;
 use crate::controlword::Command;
-use crate::cyclic::{Fine, fine};
+use crate::cyclic::{MicrosQ16, micros_q16};
 use crate::exchange::{Actuals, Exchange, Seen, Share, Waiting};
 use crate::faults::{EXTERNAL, Faults};
 use crate::inputs::{DigitalInputs, Switches};
@@ -127,7 +127,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
     /// A drive that is not ready to switch on, with an actuator that commits demands so long ahead of the motor, and with control ticks of
     /// this period. It becomes switch on disabled by itself with the first one.
     #[inline]
-    pub fn with_actuator(actuator: impl FnOnce() -> A, lead: Fine, tick: Duration) -> Self {
+    pub fn with_actuator(actuator: impl FnOnce() -> A, lead: MicrosQ16, tick: Duration) -> Self {
         Self {
             commands: Commands::NONE,
             configuration: Configuration::NONE,
@@ -310,7 +310,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         if is_displaced || is_cut_off {
             self.motor.lose_reference();
         }
-        self.motor.observe(fine(now), position, is_held, port);
+        self.motor.observe(micros_q16(now), position, is_held, port);
         if !self.power.is_on() && self.motor.standstill() {
             self.motor.set_up(&self.configuration);
         }
@@ -337,7 +337,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         let since = core::mem::replace(&mut self.ticked, now);
         let keeps_records = Mode::InterpolatedPosition.is_among(D::DRIVE.modes);
         self.cyclic
-            .pass(fine(now), &self.configuration.cyclic, keeps_records);
+            .pass(micros_q16(now), &self.configuration.cyclic, keeps_records);
         now.checked_duration_since(since)
             .map_or(0, |span| u32::try_from(span.ticks()).unwrap_or(u32::MAX))
     }

@@ -9,7 +9,7 @@ use core::ops::{Deref, DerefMut};
 use motion::{FollowError, Limits, Position, Ramps, SignedSpeed, Speed, low};
 
 use crate::actuator::{Actuator, AtPort, Refused, near};
-use crate::cyclic::Fine;
+use crate::cyclic::MicrosQ16;
 use crate::inputs::{Barred, Count};
 
 /// The longest distance of one motion, in steps.
@@ -82,7 +82,7 @@ impl<A: Actuator> Motor<A> {
 
     /// Looks at the motor at the start of a tick at `now`. `position` is where it really is; the actuator takes it over while the motor
     /// has no power, and after it has been cut off.
-    pub(crate) fn observe<P>(&mut self, now: Fine, position: i64, power: bool, port: &P)
+    pub(crate) fn observe<P>(&mut self, now: MicrosQ16, position: i64, power: bool, port: &P)
     where
         A: AtPort<P>,
     {
@@ -296,9 +296,9 @@ impl<A: Actuator> Motor<A> {
     /// As [`Actuator::follow`].
     pub(crate) fn follow(
         &mut self,
-        end: Fine,
+        end: MicrosQ16,
         to: Position,
-        velocity: Option<(Position, Fine)>,
+        velocity: Option<(Position, MicrosQ16)>,
     ) -> Result<(), FollowError> {
         self.actuator.follow(end, to, velocity)?;
         self.followed();
@@ -308,7 +308,7 @@ impl<A: Actuator> Motor<A> {
     /// As [`Actuator::follow_velocity`].
     pub(crate) fn follow_velocity(
         &mut self,
-        end: Fine,
+        end: MicrosQ16,
         velocity: SignedSpeed,
     ) -> Result<(), FollowError> {
         self.actuator.follow_velocity(end, velocity)?;

@@ -17,7 +17,7 @@ mod step_axis;
 use motion::{Demand, Direction, FollowError, Limits, Position, Ramps, SignedSpeed, Speed, low};
 
 use crate::configuration::Configuration;
-use crate::cyclic::Fine;
+use crate::cyclic::MicrosQ16;
 
 pub use servo_axis::{ServoAxis, ServoGoal, ServoOrder, ServoPort, ServoReport};
 pub use step_axis::{Emitter, EmitterLock, StepAxis};
@@ -81,7 +81,7 @@ pub struct Trouble {
 #[derive(Clone, Copy, Debug)]
 pub struct PathEnd {
     /// How long it is from there to that moment; 0 if the moment is not later.
-    pub left: Fine,
+    pub left: MicrosQ16,
     /// Where the axis is there.
     pub position: Position,
     /// How far it would go on from there until that moment, in steps × 2³².
@@ -190,26 +190,27 @@ pub trait Actuator: 'static {
     /// distance and how long it takes.
     fn follow(
         &mut self,
-        end: Fine,
+        end: MicrosQ16,
         to: Position,
-        velocity: Option<(Position, Fine)>,
+        velocity: Option<(Position, MicrosQ16)>,
     ) -> Result<(), FollowError>;
 
     /// Reaches a velocity at `end`, evenly from the one at the end of what is followed.
-    fn follow_velocity(&mut self, end: Fine, velocity: SignedSpeed) -> Result<(), FollowError>;
+    fn follow_velocity(&mut self, end: MicrosQ16, velocity: SignedSpeed)
+    -> Result<(), FollowError>;
 
     /// Where what is followed ends, and its velocity there.
     fn path_end(&self) -> Demand;
 
     /// From where, and in which time, something is followed that is to be done at `end`: from the last set-point given, or from what is
     /// committed if that goes beyond it.
-    fn path_to(&self, end: Fine) -> PathEnd;
+    fn path_to(&self, end: MicrosQ16) -> PathEnd;
 
     /// Whether the motor moves, and follows set-points that come in each period.
     fn is_following(&self) -> bool;
 
     /// Whether what is followed ends in motion, so soon that the motor would stand with no ramp within this time.
-    fn is_running_out(&self, time: Fine) -> bool;
+    fn is_running_out(&self, time: MicrosQ16) -> bool;
 
     /// Says with which acceleration, in steps/s², the next motion is to be planned, for the stops that are asked about before it.
     fn expect_acceleration(&mut self, acceleration: u32);
@@ -229,7 +230,7 @@ pub trait AtPort<P>: Actuator {
     }
 
     /// Looks at what has become of the demands, at the start of a tick at `now`.
-    fn observe(&mut self, now: Fine, port: &P);
+    fn observe(&mut self, now: MicrosQ16, port: &P);
 
     /// The same at the end of a tick, for whether the motor stands.
     fn look_again(&mut self, port: &P);

@@ -20,7 +20,7 @@ use super::{
 };
 use crate::board::DriveConfig;
 use crate::configuration::Configuration;
-use crate::cyclic::Fine;
+use crate::cyclic::MicrosQ16;
 
 /// What the loops are to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -275,7 +275,7 @@ impl<L: EmitterLock, P: ServoPort> AtPort<P> for ServoAxis<L> {
         self.shift = shift;
     }
 
-    fn observe(&mut self, now: Fine, port: &P) {
+    fn observe(&mut self, now: MicrosQ16, port: &P) {
         self.path.observe(now, port);
         let report = port.report();
         let counts = if self.is_reversed {
@@ -337,7 +337,7 @@ impl<L: EmitterLock> Actuator for ServoAxis<L> {
     fn max_velocity(&self) -> Speed { self.path.max_velocity() }
     fn window(&self) -> u64 { if self.held.is_some() { 0 } else { self.path.window() } }
     fn is_following(&self) -> bool { self.held.is_none() && self.path.is_following() }
-    fn is_running_out(&self, time: Fine) -> bool { self.held.is_none() && self.path.is_running_out(time) }
+    fn is_running_out(&self, time: MicrosQ16) -> bool { self.held.is_none() && self.path.is_running_out(time) }
     fn expect_acceleration(&mut self, acceleration: u32) { self.path.expect_acceleration(acceleration); }
 
     fn heading(&self) -> Option<Direction> {
@@ -404,17 +404,17 @@ impl<L: EmitterLock> Actuator for ServoAxis<L> {
         self.path.stand_at(position);
     }
 
-    fn follow(&mut self, end: Fine, to: Position, velocity: Option<(Position, Fine)>) -> Result<(), FollowError> {
+    fn follow(&mut self, end: MicrosQ16, to: Position, velocity: Option<(Position, MicrosQ16)>) -> Result<(), FollowError> {
         self.take_up();
         self.path.follow(end, to, velocity)
     }
 
-    fn follow_velocity(&mut self, end: Fine, velocity: SignedSpeed) -> Result<(), FollowError> {
+    fn follow_velocity(&mut self, end: MicrosQ16, velocity: SignedSpeed) -> Result<(), FollowError> {
         self.take_up();
         self.path.follow_velocity(end, velocity)
     }
 
     fn path_end(&self) -> Demand { if self.held.is_some() { self.rotor } else { self.path.path_end() } }
 
-    fn path_to(&self, end: Fine) -> PathEnd { self.path.path_to(end) }
+    fn path_to(&self, end: MicrosQ16) -> PathEnd { self.path.path_to(end) }
 }

@@ -13,7 +13,7 @@ use motion::{
 use super::{Actuator, AtPort, NotSupported, PathEnd, Refused, TORQUE_MODES, Trouble, near};
 use crate::board::{DriveConfig, outlast_tick};
 use crate::configuration::Configuration;
-use crate::cyclic::{Fine, POINT, Timescale};
+use crate::cyclic::{MicrosQ16, POINT, Timescale};
 use crate::pulse_timing::PulseTiming;
 
 pub use emitter::{Emitter, EmitterLock};
@@ -65,7 +65,7 @@ impl<L: EmitterLock> StepAxis<L> {
     }
 
     /// How long ahead of the motor an axis commits its pulses: two segments.
-    pub(crate) fn lead(config: DriveConfig) -> Fine {
+    pub(crate) fn lead(config: DriveConfig) -> MicrosQ16 {
         let axis = outlast_tick(config);
         let hz = u64::from(axis.clock.hz());
         let ahead = u64::from(axis.segment).saturating_mul(2_000_000) << POINT;
@@ -200,7 +200,7 @@ impl<L: EmitterLock, S: PulseSink> AtPort<S> for StepAxis<L> {
         }
     }
 
-    fn observe(&mut self, now: Fine, pulses: &S) {
+    fn observe(&mut self, now: MicrosQ16, pulses: &S) {
         self.path_begin.set(Ticks::MAX);
         let (pending, played, demand) = self.emitter.look(|emitter| {
             let (pending, axis) = (pulses.pending(), &emitter.axis);
@@ -358,9 +358,9 @@ impl<L: EmitterLock> Actuator for StepAxis<L> {
 
     fn follow(
         &mut self,
-        end: Fine,
+        end: MicrosQ16,
         to: Position,
-        velocity: Option<(Position, Fine)>,
+        velocity: Option<(Position, MicrosQ16)>,
     ) -> Result<(), FollowError> {
         let tick = self.timescale.tick_at(end);
         match velocity {
@@ -373,7 +373,11 @@ impl<L: EmitterLock> Actuator for StepAxis<L> {
         }
     }
 
-    fn follow_velocity(&mut self, end: Fine, velocity: SignedSpeed) -> Result<(), FollowError> {
+    fn follow_velocity(
+        &mut self,
+        end: MicrosQ16,
+        velocity: SignedSpeed,
+    ) -> Result<(), FollowError> {
         let tick = self.timescale.tick_at(end);
         self.go_on(|axis| axis.follow_velocity(tick, velocity))
     }
@@ -383,7 +387,7 @@ impl<L: EmitterLock> Actuator for StepAxis<L> {
         self.counted(end)
     }
 
-    fn path_to(&self, end: Fine) -> PathEnd {
+    fn path_to(&self, end: MicrosQ16) -> PathEnd {
         let (tick, state) = self.emitter.look(|emitter| emitter.axis.path_end());
         self.path_begin.set(tick);
         let left = self.timescale.tick_at(end).wrapping_sub(tick);
@@ -399,7 +403,7 @@ impl<L: EmitterLock> Actuator for StepAxis<L> {
         !self.at_rest && self.emitter.look(|emitter| emitter.axis.is_following())
     }
 
-    fn is_running_out(&self, time: Fine) -> bool {
+    fn is_running_out(&self, time: MicrosQ16) -> bool {
         let ticks = self.timescale.ticks(time);
         self.emitter
             .look(|emitter| emitter.axis.is_running_out(ticks.into()))

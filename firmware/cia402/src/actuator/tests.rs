@@ -9,7 +9,7 @@ use super::{Actuator, AtPort, Emitter, NotSupported, StepAxis, TORQUE_MODES};
 use crate::commands::Commands;
 use crate::configuration::Configuration;
 use crate::controlword::ControlwordHistory;
-use crate::cyclic::{SyncEvent, fine};
+use crate::cyclic::{SyncEvent, micros_q16};
 use crate::exchange::{Actuals, Exchange};
 use crate::objects::Everything;
 use crate::state_machine::State;
@@ -46,7 +46,7 @@ fn refilled_axis(refills: u32) -> StepAxis {
 fn a_set_point_that_a_refill_has_overtaken_is_too_late() {
     for refills in [0, 1] {
         let (mut axis, mut pulses) = (step_axis(), Player::with_room(256));
-        let micros = |time: u64| fine(Instant::from_ticks(time));
+        let micros = |time: u64| micros_q16(Instant::from_ticks(time));
         axis.observe(micros(0), &pulses);
         axis.follow_velocity(micros(3_000), 1_000.into()).unwrap();
         axis.advance(&mut pulses, false);

@@ -9,7 +9,7 @@ use heapless::Vec;
 use motion::low;
 
 use super::lock::{Heard, Lock};
-use super::{Fine, POINT, Pipeline, SyncEvent, SyncStatus, fine};
+use super::{MicrosQ16, POINT, Pipeline, SyncEvent, SyncStatus, micros_q16};
 
 /// The most slots in one control tick.
 const MOST: usize = 4;
@@ -27,16 +27,16 @@ pub(crate) type Slots = Vec<Slot, MOST>;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Slot {
     /// When its sync event should have come.
-    pub(crate) at: Fine,
+    pub(crate) at: MicrosQ16,
     /// The time between set-points.
-    pub(crate) period: Fine,
+    pub(crate) period: MicrosQ16,
     /// What has come; `None` if nothing new has.
     pub(crate) event: Option<SyncEvent>,
 }
 
 impl Slot {
     /// When the motor is to be at its set-point. A cubic has to know the one behind it first.
-    pub(crate) fn due(&self, pipeline: &Pipeline, is_cubic: bool) -> Fine {
+    pub(crate) fn due(&self, pipeline: &Pipeline, is_cubic: bool) -> MicrosQ16 {
         let due = self.at.wrapping_add(pipeline.latency(self.period));
         if is_cubic {
             due.wrapping_add(self.period)
@@ -56,7 +56,7 @@ pub(crate) struct NetworkClock {
     /// SYNCs for one set-point as 60C2h says.
     nominal: u32,
     /// 60C2h, as it was when that was found.
-    interpolation: Fine,
+    interpolation: MicrosQ16,
     /// SYNCs since the last slot.
     since: u32,
     spacing: Spacing,
@@ -149,7 +149,7 @@ impl NetworkClock {
     }
 
     /// The time between set-points.
-    pub(crate) fn period(&self) -> Fine {
+    pub(crate) fn period(&self) -> MicrosQ16 {
         let period = self.lock.period();
         match self.share {
             1 => period,
@@ -162,7 +162,7 @@ impl NetworkClock {
         &mut self,
         event: SyncEvent,
         is_new: bool,
-        (interpolation, cycle): (Fine, Fine),
+        (interpolation, cycle): (MicrosQ16, MicrosQ16),
         slots: &mut Slots,
     ) {
         if !event.is_sync && !self.is_used {
@@ -172,7 +172,7 @@ impl NetworkClock {
             self.is_synced = event.is_sync;
             self.begin_anew();
         }
-        let heard = self.lock.hear(fine(event.at), [interpolation, cycle]);
+        let heard = self.lock.hear(micros_q16(event.at), [interpolation, cycle]);
         if heard == Heard::OutOfTurn {
             return;
         }
@@ -191,12 +191,12 @@ impl NetworkClock {
 
     /// Lets time pass. Returns whether a sync event should have come, and has not.
     #[inline]
-    pub(crate) fn pass(&mut self, now: Fine, slots: &mut Slots) -> bool {
+    pub(crate) fn pass(&mut self, now: MicrosQ16, slots: &mut Slots) -> bool {
         self.lock.may_miss(now) && self.pass_late(now, slots)
     }
 
     #[inline(never)]
-    fn pass_late(&mut self, now: Fine, slots: &mut Slots) -> bool {
+    fn pass_late(&mut self, now: MicrosQ16, slots: &mut Slots) -> bool {
         let mut has_missed = false;
         while !slots.is_full() && self.lock.misses(now) {
             has_missed = true;
@@ -247,13 +247,13 @@ impl NetworkClock {
     }
 
     /// How many SYNCs make one set-point, as long as the period is not settled and when 60C2h changes.
-    fn find_share(&mut self, interpolation: Fine) {
+    fn find_share(&mut self, interpolation: MicrosQ16) {
         if self.lock.is_locked() && self.interpolation == interpolation {
             return;
         }
         self.interpolation = interpolation;
         let period = self.lock.period();
-        let micros = |time: Fine| u32::try_from(time >> POINT).unwrap_or(u32::MAX);
+        let micros = |time: MicrosQ16| u32::try_from(time >> POINT).unwrap_or(u32::MAX);
         let half = micros(period) / 2;
         let share = micros(interpolation)
             .saturating_add(half)
@@ -266,8 +266,9 @@ impl NetworkClock {
     }
 
     /// Whether sync events come with another period than one that is set up, where that is known.
-    pub(crate) fn differs(&self, interpolation: Fine, cycle: Fine) -> bool {
-        let is_far = |period: Fine, from: Fine| from != 0 && from.abs_diff(period) > period / 16;
+    pub(crate) fn differs(&self, interpolation: MicrosQ16, cycle: MicrosQ16) -> bool {
+        let is_far =
+            |period: MicrosQ16, from: MicrosQ16| from != 0 && from.abs_diff(period) > period / 16;
         self.is_synced
             && self.lock.is_locked()
             && (is_far(self.period(), interpolation) || is_far(self.lock.period(), cycle))
@@ -276,7 +277,7 @@ impl NetworkClock {
     /// What 2050h shows of the sync events.
     pub(crate) fn status(&self) -> SyncStatus {
         // A period is at most two seconds, and so is jitter.
-        let nanoseconds = |time: Fine| low::u32(time.wrapping_mul(1_000) >> POINT);
+        let nanoseconds = |time: MicrosQ16| low::u32(time.wrapping_mul(1_000) >> POINT);
         let is_there = self.lock.state() != 0;
         let shown = |time| if is_there { nanoseconds(time) } else { 0 };
         SyncStatus {

@@ -9,15 +9,15 @@
 //! - Missed sync events do not move the moments: the loop goes on as it was.
 //! - A period lies within [`SHORTEST`] and [`LONGEST`], whatever is heard.
 
-use super::{Fine, POINT, span};
+use super::{MicrosQ16, POINT, span};
 
 /// The shortest period, 500 µs.
-pub(crate) const SHORTEST: Fine = 500 << POINT;
+pub(crate) const SHORTEST: MicrosQ16 = 500 << POINT;
 /// The longest period, two seconds.
-pub(crate) const LONGEST: Fine = 2_000_000 << POINT;
+pub(crate) const LONGEST: MicrosQ16 = 2_000_000 << POINT;
 
 /// What is taken for the period before there is anything to measure by, where nobody has said so: 1 ms.
-const USUAL: Fine = 1_000 << POINT;
+const USUAL: MicrosQ16 = 1_000 << POINT;
 
 /// Sync events until the loop counts as locked.
 const SETTLED: u8 = 32;
@@ -41,17 +41,17 @@ pub(crate) enum Heard {
 #[derive(Debug)]
 pub(crate) struct Lock {
     /// The last moment that was decided on.
-    at: Fine,
+    at: MicrosQ16,
     /// When the last sync event came.
-    heard: Fine,
-    period: Fine,
+    heard: MicrosQ16,
+    period: MicrosQ16,
     is_running: bool,
     /// Sync events since it began, as far as it matters.
     good: u8,
     /// Missed in a row.
     silent: u8,
     trouble: u8,
-    jitter: Fine,
+    jitter: MicrosQ16,
     missed: u32,
     rejected: u32,
 }
@@ -79,11 +79,11 @@ impl Lock {
     }
 
     /// The last moment that was decided on.
-    pub(crate) const fn at(&self) -> Fine {
+    pub(crate) const fn at(&self) -> MicrosQ16 {
         self.at
     }
 
-    pub(crate) const fn period(&self) -> Fine {
+    pub(crate) const fn period(&self) -> MicrosQ16 {
         self.period
     }
 
@@ -110,7 +110,7 @@ impl Lock {
         }
     }
 
-    pub(crate) const fn jitter(&self) -> Fine {
+    pub(crate) const fn jitter(&self) -> MicrosQ16 {
         self.jitter
     }
 
@@ -123,7 +123,7 @@ impl Lock {
     }
 
     /// A sync event came at `stamp`. The period is expected to be one of `expected`, the first of them before there is anything to measure by.
-    pub(crate) fn hear(&mut self, stamp: Fine, expected: [Fine; 2]) -> Heard {
+    pub(crate) fn hear(&mut self, stamp: MicrosQ16, expected: [MicrosQ16; 2]) -> Heard {
         let before = span(self.heard, stamp);
         if !self.is_running || self.silent >= SILENCE || self.trouble >= TROUBLE || before < 0 {
             self.begin(stamp, expected);
@@ -160,12 +160,12 @@ impl Lock {
 
     /// Whether the next moment may have passed without its sync event: false for certain.
     #[inline]
-    pub(crate) const fn may_miss(&self, now: Fine) -> bool {
+    pub(crate) const fn may_miss(&self, now: MicrosQ16) -> bool {
         self.is_running && span(self.at.wrapping_add(self.period), now) >= LEAST_PATIENCE
     }
 
     /// Lets time pass. True if the next moment has passed without its sync event.
-    pub(crate) fn misses(&mut self, now: Fine) -> bool {
+    pub(crate) fn misses(&mut self, now: MicrosQ16) -> bool {
         if !self.is_running {
             return false;
         }
@@ -184,7 +184,7 @@ impl Lock {
         true
     }
 
-    fn begin(&mut self, stamp: Fine, [expected, _]: [Fine; 2]) {
+    fn begin(&mut self, stamp: MicrosQ16, [expected, _]: [MicrosQ16; 2]) {
         let expected = if expected == 0 { USUAL } else { expected };
         *self = Self {
             at: stamp,
@@ -198,12 +198,12 @@ impl Lock {
     }
 
     /// The second sync event: its distance is the period, or near one that is expected.
-    fn measure(&mut self, stamp: Fine, distance: u64, expected: [Fine; 2]) -> Heard {
+    fn measure(&mut self, stamp: MicrosQ16, distance: u64, expected: [MicrosQ16; 2]) -> Heard {
         if distance < SHORTEST / 2 {
             self.rejected = self.rejected.saturating_add(1);
             return Heard::OutOfTurn;
         }
-        let near = |period: &Fine| *period > 0 && distance.abs_diff(*period) <= *period / 3;
+        let near = |period: &MicrosQ16| *period > 0 && distance.abs_diff(*period) <= *period / 3;
         self.period = expected
             .into_iter()
             .find(near)
@@ -280,9 +280,9 @@ const LEAST_PATIENCE: i64 = (SHORTEST / 2).cast_signed();
 
 /// How long after its moment a sync event is waited for. Half a period, but of short periods less than a control tick, so that there is time to
 /// bridge what is missing.
-pub(crate) fn patience(period: Fine) -> Fine {
-    const BRIDGING: Fine = 3_500 << POINT;
-    const LEAST: Fine = 500 << POINT;
+pub(crate) fn patience(period: MicrosQ16) -> MicrosQ16 {
+    const BRIDGING: MicrosQ16 = 3_500 << POINT;
+    const LEAST: MicrosQ16 = 500 << POINT;
     period.saturating_sub(BRIDGING).max(LEAST).min(period / 2)
 }
 

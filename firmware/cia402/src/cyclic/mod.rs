@@ -32,18 +32,18 @@ use canopen::Instant;
 use crate::objects::Objects;
 
 /// A time or a moment in microseconds × 2¹⁶. As a moment it wraps after nine years.
-pub type Fine = u64;
+pub type MicrosQ16 = u64;
 
-/// The bits of [`Fine`] behind the point.
+/// The bits of [`MicrosQ16`] behind the point.
 pub(crate) const POINT: u32 = 16;
 
-/// A moment, finely.
-pub(crate) const fn fine(at: Instant) -> Fine {
+/// A moment in this unit.
+pub(crate) const fn micros_q16(at: Instant) -> MicrosQ16 {
     at.ticks() << POINT
 }
 
 /// The time from one moment to a later one; negative if it is earlier.
-pub(crate) const fn span(from: Fine, to: Fine) -> i64 {
+pub(crate) const fn span(from: MicrosQ16, to: MicrosQ16) -> i64 {
     to.wrapping_sub(from).cast_signed()
 }
 
@@ -100,12 +100,12 @@ impl CyclicConfiguration {
     };
 
     /// How far apart set-points and SYNCs should be; 0 where nobody has said so.
-    pub(crate) const fn periods(&self) -> (Fine, Fine) {
-        let cycle = (self.cycle as Fine) << POINT;
+    pub(crate) const fn periods(&self) -> (MicrosQ16, MicrosQ16) {
+        let cycle = (self.cycle as MicrosQ16) << POINT;
         let period = if self.is_measured {
             cycle
         } else {
-            (self.period as Fine) << POINT
+            (self.period as MicrosQ16) << POINT
         };
         (period, cycle)
     }

@@ -1,23 +1,23 @@
 //! How far ahead of the motor the drive has to know where it is to go.
 
-use super::Fine;
+use super::MicrosQ16;
 
 /// What lies between a sync event and the motor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Pipeline {
     /// From a control tick to the next, plus what is committed ahead of the motor.
-    depth: Fine,
+    depth: MicrosQ16,
     /// How long before a sync event a control tick comes.
-    lead: Fine,
+    lead: MicrosQ16,
     /// From a control tick to the next, and a quarter of that as they come now and then late.
-    tick: Fine,
+    tick: MicrosQ16,
     /// A period, and its latency.
-    known: (Fine, Fine),
+    known: (MicrosQ16, MicrosQ16),
 }
 
 impl Pipeline {
     /// Of an actuator that commits so far `ahead` of the motor in every `tick`, one of which comes `lead` before each sync event.
-    pub(crate) const fn new(ahead: Fine, tick: Fine, lead: Fine) -> Self {
+    pub(crate) const fn new(ahead: MicrosQ16, tick: MicrosQ16, lead: MicrosQ16) -> Self {
         Self {
             depth: tick.saturating_add(ahead),
             lead,
@@ -27,7 +27,7 @@ impl Pipeline {
     }
 
     /// What is not done in this control tick is done by then.
-    pub(crate) const fn next_tick(&self) -> Fine {
+    pub(crate) const fn next_tick(&self) -> MicrosQ16 {
         self.tick
     }
 
@@ -37,7 +37,7 @@ impl Pipeline {
     /// A period that is measured is never quite the nominal one; a sixteenth of it is allowed for, so that the number of periods does
     /// not hang on that. That is never more than an eighth of the depth: of a long period, the rest of the depth would not be there
     /// when the motor is to set out for a set-point.
-    pub(crate) fn latency(&self, period: Fine) -> Fine {
+    pub(crate) fn latency(&self, period: MicrosQ16) -> MicrosQ16 {
         let (known, latency) = self.known;
         if known == period && period != 0 {
             latency
@@ -47,14 +47,14 @@ impl Pipeline {
     }
 
     /// This is the period that is asked for from now on: as long as it stays the same, its latency is worked out once.
-    pub(crate) fn expect(&mut self, period: Fine) {
+    pub(crate) fn expect(&mut self, period: MicrosQ16) {
         if self.known.0 != period {
             self.known = (period, self.worked_out(period));
         }
     }
 
     #[inline(never)]
-    fn worked_out(&self, period: Fine) -> Fine {
+    fn worked_out(&self, period: MicrosQ16) -> MicrosQ16 {
         let allowed = (period / 16).min(self.depth / 8);
         let periods = self
             .depth
@@ -72,7 +72,7 @@ mod tests {
     use super::*;
     use crate::cyclic::POINT;
 
-    const fn micros(time: u64) -> Fine {
+    const fn micros(time: u64) -> MicrosQ16 {
         time << POINT
     }
 

@@ -6,19 +6,19 @@
 //! each time.
 
 use super::clock::{Slot, Slots};
-use super::{Fine, span};
+use super::{MicrosQ16, span};
 
 /// After so many slots without a record the next record begins the slots anew.
 const PAUSE: u8 = 8;
 
 /// The longest time by which a record should be ahead of its slot, 20 ms.
-const AHEAD: Fine = 20_000 << super::POINT;
+const AHEAD: MicrosQ16 = 20_000 << super::POINT;
 
 /// The rhythm.
 #[derive(Debug)]
 pub(crate) struct Rhythm {
     /// When the next slot is due; `None` where SYNC gives the rhythm, or no record has come.
-    next: Option<Fine>,
+    next: Option<MicrosQ16>,
     /// Slots in a row that found no record.
     idle: u8,
 }
@@ -42,7 +42,7 @@ impl Rhythm {
 
     /// A record came at `stamp` and found the buffer empty.
     #[inline(never)]
-    pub(crate) fn hear(&mut self, stamp: Fine, period: Fine) {
+    pub(crate) fn hear(&mut self, stamp: MicrosQ16, period: MicrosQ16) {
         let ahead = (period / 2).min(AHEAD);
         let Some(next) = self.next.filter(|_| self.idle < PAUSE) else {
             self.next = Some(stamp.wrapping_add(ahead));
@@ -63,7 +63,13 @@ impl Rhythm {
 
     /// Lets time pass, while so many records wait.
     #[inline(never)]
-    pub(crate) fn pass(&mut self, now: Fine, period: Fine, mut waiting: usize, slots: &mut Slots) {
+    pub(crate) fn pass(
+        &mut self,
+        now: MicrosQ16,
+        period: MicrosQ16,
+        mut waiting: usize,
+        slots: &mut Slots,
+    ) {
         while let Some(at) = self.next
             && span(at, now) >= 0
             && !slots.is_full()
@@ -85,10 +91,10 @@ impl Rhythm {
 mod tests {
     use super::*;
 
-    const MS: Fine = 1_000 << super::super::POINT;
+    const MS: MicrosQ16 = 1_000 << super::super::POINT;
 
     /// The slots from `from` to `to` in milliseconds.
-    fn slots(rhythm: &mut Rhythm, from: u64, to: u64, waiting: usize) -> std::vec::Vec<Fine> {
+    fn slots(rhythm: &mut Rhythm, from: u64, to: u64, waiting: usize) -> std::vec::Vec<MicrosQ16> {
         let mut all = std::vec::Vec::new();
         for now in from..=to {
             let mut slots = Slots::new();

@@ -13,19 +13,19 @@ use motion::by_digit;
 use motion::low;
 
 use super::lock::Lock;
-use super::{Fine, POINT, fine, span};
+use super::{MicrosQ16, POINT, micros_q16, span};
 
 /// The rhythm.
 #[derive(Debug)]
 pub(crate) struct Schedule {
-    nominal: Fine,
+    nominal: MicrosQ16,
     /// When the next tick is due.
-    due: Fine,
+    due: MicrosQ16,
     /// From one tick to the next, as it is now, and the period that it was shared out of.
-    tick: Fine,
-    period: Fine,
+    tick: MicrosQ16,
+    period: MicrosQ16,
     /// When the motor will be at set-points, the next one first.
-    aims: Deque<Fine, AIMS>,
+    aims: Deque<MicrosQ16, AIMS>,
 }
 
 /// Of the shortest periods so many set-points are on their way to the motor.
@@ -45,7 +45,7 @@ impl Schedule {
     }
 
     /// The motor will be at a set-point at this moment. What was to be later than that was settled by a sync event that is no more.
-    pub(crate) fn aim(&mut self, at: Fine) {
+    pub(crate) fn aim(&mut self, at: MicrosQ16) {
         while self.aims.back().is_some_and(|later| span(*later, at) <= 0) {
             let _ = self.aims.pop_back();
         }
@@ -54,19 +54,19 @@ impl Schedule {
     }
 
     /// How long before a sync event a tick comes.
-    pub(crate) const fn lead(&self) -> Fine {
+    pub(crate) const fn lead(&self) -> MicrosQ16 {
         self.nominal / 4
     }
 
     /// From one tick to the next.
-    pub(crate) const fn tick(&self) -> Fine {
+    pub(crate) const fn tick(&self) -> MicrosQ16 {
         self.tick
     }
 
     /// A tick runs at `now`. Returns when the next one is due, in step with `lock`.
     #[inline(never)]
     pub(crate) fn next(&mut self, now: Instant, lock: &Lock) -> Instant {
-        let now = fine(now);
+        let now = micros_q16(now);
         if span(self.due, now).unsigned_abs() > self.nominal / 2 {
             self.due = now;
         }
@@ -76,7 +76,7 @@ impl Schedule {
     }
 
     /// From this tick to the next, towards the moments of `lock`.
-    fn in_step(&mut self, lock: &Lock) -> Fine {
+    fn in_step(&mut self, lock: &Lock) -> MicrosQ16 {
         if self.period != lock.period() {
             self.period = lock.period();
             self.tick = self.even(self.period);
@@ -94,7 +94,7 @@ impl Schedule {
     }
 
     /// The next moment at which the motor is at a set-point, seen from the next tick.
-    fn aimed_at(&mut self, wanted: Fine) -> Option<Fine> {
+    fn aimed_at(&mut self, wanted: MicrosQ16) -> Option<MicrosQ16> {
         let half = (self.tick / 2).cast_signed();
         while let Some(aim) = self.aims.front() {
             if span(*aim, wanted) <= half {
@@ -106,13 +106,13 @@ impl Schedule {
     }
 
     /// As many ticks as a period needs, all of the same length. Where one is enough there is nothing to divide.
-    fn even(&self, period: Fine) -> Fine {
+    fn even(&self, period: MicrosQ16) -> MicrosQ16 {
         let least = period.saturating_sub(period / 16);
         if least < self.nominal {
             return period;
         }
         // A nominal tick has 32 bits, and there are no more of them in a period.
-        let by = |time: Fine, by: Fine| by_digit(time, low::u32(by)).0;
+        let by = |time: MicrosQ16, by: MicrosQ16| by_digit(time, low::u32(by)).0;
         let ticks = by(least, self.nominal).saturating_add(1);
         by(period, ticks)
     }
@@ -140,7 +140,7 @@ mod tests {
 
     use super::*;
 
-    const TICK: Fine = 1_000 << POINT;
+    const TICK: MicrosQ16 = 1_000 << POINT;
 
     proptest! {
         #[test]

@@ -85,7 +85,7 @@ const fn later(moment: Instant, micros: i64) -> Instant {
 mod tests {
     use super::super::lock::Lock;
     use super::super::schedule::Schedule;
-    use super::super::{Fine, POINT};
+    use super::super::{MicrosQ16, POINT};
     use super::*;
 
     const BEGIN: u64 = 1_000_000;
@@ -97,9 +97,9 @@ mod tests {
         let mut lock = Lock::new();
         let mut schedule = Schedule::new(nominal);
         let mut timer = TickTimer::new(nominal);
-        let fine = |micros: u64| -> Fine { micros << POINT };
+        let micros_q16 = |micros: u64| -> MicrosQ16 { micros << POINT };
         let mut heard = BEGIN;
-        let mut fire = fine(BEGIN + 333);
+        let mut fire = micros_q16(BEGIN + 333);
         let mut lengths = [1_000_u32; 2];
         let mut random = 1_u32;
         let mut off = std::vec::Vec::new();
@@ -112,7 +112,7 @@ mod tests {
             };
             let now = (fire >> POINT) + u64::from(late);
             while heard <= now {
-                lock.hear(fine(heard), [fine(2_000), 0]);
+                lock.hear(micros_q16(heard), [micros_q16(2_000), 0]);
                 heard += 2_000;
             }
             if tick > 1_000 {
@@ -123,7 +123,7 @@ mod tests {
             let due = schedule.next(now, &lock);
             let behind = timer.next(now, Some(due)).unwrap();
             lengths = [lengths[1], behind];
-            let length = fine(lengths[0].into());
+            let length = micros_q16(lengths[0].into());
             let drift = length.cast_signed() / 1_000_000 * drift;
             fire = fire.wrapping_add(length).wrapping_add_signed(drift);
         }

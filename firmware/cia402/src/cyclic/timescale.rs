@@ -5,7 +5,7 @@
 
 use motion::low;
 
-use super::{Fine, POINT};
+use super::{MicrosQ16, POINT};
 
 /// Readings farther apart than this many microseconds mean that the axis' time has stood.
 const APART: u64 = 250;
@@ -40,7 +40,7 @@ impl Timescale {
     }
 
     /// It is tick `played` of the axis' time at `now`.
-    pub(crate) fn compare(&mut self, now: Fine, played: u64) {
+    pub(crate) fn compare(&mut self, now: MicrosQ16, played: u64) {
         let measured = played.wrapping_sub(self.whole(now));
         let apart = measured.wrapping_sub(self.ahead).cast_signed();
         let most = u64::from(self.pace).wrapping_mul(APART) >> POINT;
@@ -53,21 +53,21 @@ impl Timescale {
     }
 
     /// The tick of the axis' time at this moment.
-    pub(crate) fn tick_at(&self, moment: Fine) -> u64 {
+    pub(crate) fn tick_at(&self, moment: MicrosQ16) -> u64 {
         self.whole(moment).wrapping_add(self.ahead)
     }
 
     /// Ticks of the axis' time that a span lasts.
-    pub(crate) fn ticks(&self, time: Fine) -> u32 {
+    pub(crate) fn ticks(&self, time: MicrosQ16) -> u32 {
         u32::try_from(self.whole(time)).unwrap_or(u32::MAX)
     }
 
     /// The span that so many ticks last.
-    pub(crate) fn span(&self, ticks: u32) -> Fine {
+    pub(crate) fn span(&self, ticks: u32) -> MicrosQ16 {
         u64::from(ticks).wrapping_mul(self.tick) >> (32 - POINT)
     }
 
-    fn whole(&self, time: Fine) -> u64 {
+    fn whole(&self, time: MicrosQ16) -> u64 {
         let pace = u64::from(self.pace);
         let low = (time & u64::from(u32::MAX)).wrapping_mul(pace) >> (2 * POINT);
         (time >> (2 * POINT)).wrapping_mul(pace).wrapping_add(low)

@@ -5,8 +5,8 @@ use canopen::{Duration, Instant};
 use motion::low;
 
 use crate::cyclic::{
-    Buffer, CyclicConfiguration, Fine, NetworkClock, POINT, Pipeline, Rhythm, Schedule, Slots,
-    SyncEvent, SyncStatus, fine,
+    Buffer, CyclicConfiguration, MicrosQ16, NetworkClock, POINT, Pipeline, Rhythm, Schedule, Slots,
+    SyncEvent, SyncStatus, micros_q16,
 };
 use crate::exchange::{Exchange, Share, Waiting};
 use crate::mode::Mode;
@@ -34,7 +34,7 @@ pub(crate) struct Cyclic {
 }
 
 impl Cyclic {
-    pub(crate) fn new(ahead: Fine, tick: Duration) -> Self {
+    pub(crate) fn new(ahead: MicrosQ16, tick: Duration) -> Self {
         let schedule = Schedule::new(tick);
         Self {
             pipeline: Pipeline::new(ahead, schedule.tick(), schedule.lead()),
@@ -90,7 +90,7 @@ impl Cyclic {
                     self.hear(event, configuration, mode);
                 } else if core::mem::take(&mut is_empty) {
                     self.rhythm
-                        .hear(fine(event.at), micros(configuration.period));
+                        .hear(micros_q16(event.at), micros(configuration.period));
                 }
             }
         }
@@ -111,7 +111,7 @@ impl Cyclic {
     /// Lets time pass. `configuration` is what was taken with the sync events of this tick.
     pub(crate) fn pass(
         &mut self,
-        now: Fine,
+        now: MicrosQ16,
         configuration: &CyclicConfiguration,
         keeps_records: bool,
     ) {
@@ -168,7 +168,7 @@ impl Cyclic {
     }
 }
 
-/// Microseconds, finely.
-fn micros(time: u32) -> Fine {
-    Fine::from(time) << POINT
+/// Microseconds in the unit of moments.
+fn micros(time: u32) -> MicrosQ16 {
+    MicrosQ16::from(time) << POINT
 }

@@ -18,7 +18,7 @@ use motion::{Limits, Ramps, SignedSpeed, Speed};
 use super::following::{braking_distance, gain, seconds};
 use super::kept_velocity::{KeptVelocity, Order};
 use crate::actuator::Actuator;
-use crate::cyclic::{Fine, Slot};
+use crate::cyclic::{MicrosQ16, Slot};
 use crate::motor::Motor;
 use crate::option_codes::StopRamp;
 use crate::statusword::{FOLLOWS, INTERNAL_LIMIT, TARGET_REACHED};
@@ -200,7 +200,7 @@ impl CyclicVelocity {
     }
 
     /// The velocity within all limits.
-    fn allowed(&mut self, interval: Fine, context: &Context<'_, impl Parts>) -> SignedSpeed {
+    fn allowed(&mut self, interval: MicrosQ16, context: &Context<'_, impl Parts>) -> SignedSpeed {
         let asked = self.velocity;
         let before = context.motor.path_end();
         let wanted = asked.within(context.max_velocity());
@@ -225,7 +225,7 @@ impl CyclicVelocity {
 fn within_ramps(
     velocity: SignedSpeed,
     before: SignedSpeed,
-    interval: Fine,
+    interval: MicrosQ16,
     context: &Context<'_, impl Parts>,
 ) -> SignedSpeed {
     let seconds = seconds(interval);
@@ -249,7 +249,7 @@ fn within_ramps(
 /// The velocity from which the motor can still stop at a software limit.
 fn before_limit(
     velocity: SignedSpeed,
-    interval: Fine,
+    interval: MicrosQ16,
     position: i64,
     context: &Context<'_, impl Parts>,
 ) -> SignedSpeed {

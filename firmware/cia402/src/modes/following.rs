@@ -21,12 +21,12 @@ use motion::{Limits, Speed};
 
 use super::{Context, Parts};
 use acceleration::{Most, SetPoints};
-use period::{away, distance_at, fine_distance, may_brake_behind, over, slope, to, whole};
+use period::{away, distance_at, distance_q16, may_brake_behind, over, slope, to, whole};
 
 pub(super) use period::{braking_distance, gain, seconds};
 
 use crate::actuator::Actuator;
-use crate::cyclic::{Fine, Slot};
+use crate::cyclic::{MicrosQ16, Slot};
 use crate::motor::{Motor, REACH};
 use crate::option_codes::StopRamp;
 use crate::travel::Travel;
@@ -46,12 +46,12 @@ pub(super) enum Outcome {
 /// A set-point that is still to be given to the axis.
 #[derive(Clone, Copy, Debug)]
 struct Knot {
-    end: Fine,
+    end: MicrosQ16,
     at: i64,
     /// From the set-point before.
     distance: i64,
     /// The time for it.
-    interval: Fine,
+    interval: MicrosQ16,
     /// The longest distance that is allowed in this time.
     most: i64,
 }
@@ -60,7 +60,7 @@ struct Knot {
 #[derive(Clone, Copy, Debug)]
 struct Segment {
     /// The time from the set-point before.
-    interval: Fine,
+    interval: MicrosQ16,
     /// It begins where the last set-point was, about a period before.
     is_in_step: bool,
 }
@@ -245,11 +245,11 @@ impl Following {
     /// Finds from where a set-point is gone to that is due at `end`, and how fast the motor is there; `None` if there is no time for it.
     fn begin_segment(
         &mut self,
-        end: Fine,
-        period: Fine,
+        end: MicrosQ16,
+        period: MicrosQ16,
         motor: &mut Motor<impl Actuator>,
     ) -> Option<Segment> {
-        let is_steady = |interval: Fine| interval.abs_diff(period) <= period / 4;
+        let is_steady = |interval: MicrosQ16| interval.abs_diff(period) <= period / 4;
         let mut path = motor.path_to(end);
         if let Some(waiting) = self.waiting {
             let interval = end.wrapping_sub(waiting.end);
@@ -405,8 +405,8 @@ impl Following {
     fn before_limit(&self, distance: i64, seconds: u64, context: &Context<'_, impl Parts>) -> i64 {
         let (low, high) = context.travel.increments;
         let room = match distance {
-            1.. => fine_distance(high).saturating_sub(self.at),
-            ..=-1 => self.at.saturating_sub(fine_distance(low)),
+            1.. => distance_q16(high).saturating_sub(self.at),
+            ..=-1 => self.at.saturating_sub(distance_q16(low)),
             0 => return 0,
         };
         // Far enough away that there is no need to look closely.
@@ -486,8 +486,8 @@ fn rounding(context: &Context<'_, impl Parts>) -> i64 {
 /// The distance that stays within the software limits, or leads back to them.
 fn within_travel(at: i64, required: i64, travel: Travel) -> i64 {
     let (low, high) = travel.increments;
-    let low = fine_distance(low).min(at);
-    let high = fine_distance(high).max(at);
+    let low = distance_q16(low).min(at);
+    let high = distance_q16(high).max(at);
     at.saturating_add(required)
         .max(low)
         .min(high)

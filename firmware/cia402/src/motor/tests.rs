@@ -4,7 +4,7 @@ use motion::{AxisConfig, Clock, DriverTiming, Limits};
 use super::Motor;
 use crate::DriveConfig;
 use crate::actuator::{Emitter, StepAxis};
-use crate::cyclic::fine;
+use crate::cyclic::micros_q16;
 use crate::testing::Player;
 
 #[test]
@@ -35,12 +35,12 @@ fn what_is_followed_has_no_ramp_of_its_own() {
     assert_eq!(motor.hardest(), 1_700_000);
     let mut now = Instant::from_ticks(0);
     for _ in 0..10 {
-        motor.observe(fine(now), pulses.position, true, &pulses);
+        motor.observe(micros_q16(now), pulses.position, true, &pulses);
         motor.advance(&mut pulses);
         pulses.play(1_000);
         now += Duration::from_ticks(1_000);
     }
-    let soon = fine(now + Duration::from_ticks(4_000));
+    let soon = micros_q16(now + Duration::from_ticks(4_000));
     motor.follow_velocity(soon, 900.into()).unwrap();
     assert_eq!(motor.deceleration(), 0);
     assert_eq!(motor.hardest(), 0);

@@ -4,7 +4,7 @@ use motion::{Demand, Direction, FollowError, Limits, Position, Ramps, SignedSpee
 
 use crate::actuator::{Actuator, AtPort, NotSupported, PathEnd, Refused, Torque, Trouble, near};
 use crate::configuration::Configuration;
-use crate::cyclic::{Fine, POINT, span};
+use crate::cyclic::{MicrosQ16, POINT, span};
 
 /// What the servo has in place of pulses: the position of its encoder.
 pub(super) type Shaft = i64;
@@ -32,9 +32,9 @@ pub(super) struct Servo {
     goal: Goal,
     position: f64,
     velocity: f64,
-    now: Fine,
+    now: MicrosQ16,
     /// When and where the set-points are that are followed.
-    path: std::vec::Vec<(Fine, i64)>,
+    path: std::vec::Vec<(MicrosQ16, i64)>,
 }
 
 impl Servo {
@@ -89,7 +89,7 @@ impl Servo {
     }
 
     /// When and where what is followed ends.
-    fn last(&self) -> (Fine, i64) {
+    fn last(&self) -> (MicrosQ16, i64) {
         let here = (self.now, self.committed_position());
         self.path.last().copied().unwrap_or(here)
     }
@@ -114,7 +114,7 @@ impl AtPort<Shaft> for Servo {
 
     fn set_up(&mut self, _: &Configuration) {}
 
-    fn observe(&mut self, now: Fine, _: &Shaft) {
+    fn observe(&mut self, now: MicrosQ16, _: &Shaft) {
         self.now = now;
     }
 
@@ -188,26 +188,26 @@ impl Actuator for Servo {
         (self.position + self.velocity * self.velocity.abs() / 2.0 / f64::from(deceleration)) as i64
     }
 
-    fn follow(&mut self, end: Fine, to: Position, _: Option<(Position, Fine)>) -> Result<(), FollowError> {
+    fn follow(&mut self, end: MicrosQ16, to: Position, _: Option<(Position, MicrosQ16)>) -> Result<(), FollowError> {
         self.path.push((end, near(to.whole_steps(), self.last().1)));
         self.goal = Goal::Path;
         Ok(())
     }
 
-    fn follow_velocity(&mut self, _: Fine, _: SignedSpeed) -> Result<(), FollowError> { Err(FollowError::TooLate) }
+    fn follow_velocity(&mut self, _: MicrosQ16, _: SignedSpeed) -> Result<(), FollowError> { Err(FollowError::TooLate) }
 
     fn path_end(&self) -> Demand {
         Demand { position: self.last().1, velocity: signed(self.velocity) }
     }
 
-    fn path_to(&self, end: Fine) -> PathEnd {
+    fn path_to(&self, end: MicrosQ16) -> PathEnd {
         let (time, position) = self.last();
         let left = span(time, end).max(0);
         let distance = (self.velocity * left as f64 / 65_536e6 * ONE) as i64;
         PathEnd { left: left.cast_unsigned(), position: Position::from_steps(position), distance }
     }
 
-    fn is_running_out(&self, time: Fine) -> bool {
+    fn is_running_out(&self, time: MicrosQ16) -> bool {
         self.is_following() && self.velocity != 0.0 && span(self.last().0, self.now.wrapping_add(time)) > 0
     }
 }

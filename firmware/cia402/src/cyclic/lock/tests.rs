@@ -6,12 +6,12 @@ use super::*;
 
 const MICRO: i64 = 1 << POINT;
 
-fn micros(time: i64) -> Fine {
+fn micros(time: i64) -> MicrosQ16 {
     time.unsigned_abs() << POINT
 }
 
 /// Lets the loop hear evenly spaced sync events, each so many microseconds off; returns the moments.
-fn run(lock: &mut Lock, period: i64, offs: &[i64]) -> std::vec::Vec<Fine> {
+fn run(lock: &mut Lock, period: i64, offs: &[i64]) -> std::vec::Vec<MicrosQ16> {
     let begin = 1_000_000;
     (0..)
         .zip(offs)

@@ -5,7 +5,7 @@
 use motion::{Position, Speed, low};
 
 use super::POINT;
-use crate::cyclic::Fine;
+use crate::cyclic::MicrosQ16;
 
 /// How far the axis is from a position.
 pub(super) const fn away(at: i64, position: Position) -> i64 {
@@ -26,7 +26,7 @@ pub(super) const fn to(at: i64) -> Position {
 
 /// A distance in so much time, over another time.
 #[inline(never)]
-pub(super) fn over(distance: i64, time: Fine, another: Fine) -> i64 {
+pub(super) fn over(distance: i64, time: MicrosQ16, another: MicrosQ16) -> i64 {
     if distance == 0 || time == another {
         return distance;
     }
@@ -46,7 +46,7 @@ pub(super) fn slope(before: i64, behind: i64) -> i64 {
 }
 
 /// A time in seconds, Q32.
-pub(in crate::modes) fn seconds(time: Fine) -> u64 {
+pub(in crate::modes) fn seconds(time: MicrosQ16) -> u64 {
     const PER_TICK: u64 = (1 << 48) / 1_000_000;
     let (high, low) = (time >> 32, time & u64::from(u32::MAX));
     high.wrapping_mul(PER_TICK)
@@ -89,7 +89,7 @@ pub(super) fn may_brake_behind(distance: u64, room: i64, gain: i64) -> bool {
 }
 
 /// Increments with their bits behind the point. What has no room is the end of the numbers.
-pub(super) const fn fine_distance(increments: i64) -> i64 {
+pub(super) const fn distance_q16(increments: i64) -> i64 {
     let distance = increments.wrapping_shl(POINT);
     if distance >> POINT == increments {
         distance

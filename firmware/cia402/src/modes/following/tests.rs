@@ -45,7 +45,7 @@ proptest! {
         let velocity = (u128::from(acceleration) * u128::from(seconds)) >> POINT;
         let change = ((velocity * u128::from(seconds)) >> 32).clamp(1, (i64::MAX / 4) as u128);
         prop_assert_eq!(u128::from(gain(acceleration, seconds).unsigned_abs()), change);
-        prop_assert_eq!(fine_distance(number.cast_signed()), number.cast_signed().saturating_mul(1 << POINT));
+        prop_assert_eq!(distance_q16(number.cast_signed()), number.cast_signed().saturating_mul(1 << POINT));
     }
 
     /// Where there is plainly room no root is needed: the way is within it, and the root says so too where it is exact.
