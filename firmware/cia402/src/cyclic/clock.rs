@@ -8,7 +8,7 @@ use heapless::Vec;
 
 use motion::low;
 
-use super::lock::{Heard, Lock};
+use super::pll::{Heard, Pll};
 use super::{MicrosQ16, POINT, Pipeline, SyncEvent, SyncStatus, micros_q16};
 
 /// The most slots in one control tick.
@@ -49,7 +49,7 @@ impl Slot {
 /// The clock of the network.
 #[derive(Debug)]
 pub(crate) struct NetworkClock {
-    lock: Lock,
+    pll: Pll,
     is_synced: bool,
     /// SYNCs for one set-point.
     share: u32,
@@ -111,7 +111,7 @@ impl Spacing {
 impl NetworkClock {
     pub(crate) const fn new() -> Self {
         Self {
-            lock: Lock::new(),
+            pll: Pll::new(),
             is_synced: false,
             share: 1,
             nominal: 1,
@@ -127,7 +127,7 @@ impl NetworkClock {
     /// are no sync events any more because of that.
     pub(crate) fn set_used(&mut self, is_used: bool) -> bool {
         self.is_used = is_used;
-        let is_over = !is_used && !self.is_synced && self.lock.is_running();
+        let is_over = !is_used && !self.is_synced && self.pll.is_running();
         if is_over {
             self.begin_anew();
         }
@@ -137,20 +137,20 @@ impl NetworkClock {
     /// Another loop, with the counts of this one.
     #[inline(never)]
     fn begin_anew(&mut self) {
-        let (missed, rejected) = (self.lock.missed(), self.lock.rejected());
-        self.lock = Lock::new();
-        self.lock.carry_on(missed, rejected);
+        let (missed, rejected) = (self.pll.missed(), self.pll.rejected());
+        self.pll = Pll::new();
+        self.pll.carry_on(missed, rejected);
         self.spacing = Spacing::NONE;
         self.early = None;
     }
 
-    pub(crate) const fn lock(&self) -> &Lock {
-        &self.lock
+    pub(crate) const fn pll(&self) -> &Pll {
+        &self.pll
     }
 
     /// The time between set-points.
     pub(crate) fn period(&self) -> MicrosQ16 {
-        let period = self.lock.period();
+        let period = self.pll.period();
         match self.share {
             1 => period,
             share => period.saturating_mul(share.into()),
@@ -172,7 +172,7 @@ impl NetworkClock {
             self.is_synced = event.is_sync;
             self.begin_anew();
         }
-        let heard = self.lock.hear(micros_q16(event.at), [interpolation, cycle]);
+        let heard = self.pll.hear(micros_q16(event.at), [interpolation, cycle]);
         if heard == Heard::OutOfTurn {
             return;
         }
@@ -192,13 +192,13 @@ impl NetworkClock {
     /// Lets time pass. Returns whether a sync event should have come, and has not.
     #[inline]
     pub(crate) fn pass(&mut self, now: MicrosQ16, slots: &mut Slots) -> bool {
-        self.lock.may_miss(now) && self.pass_late(now, slots)
+        self.pll.may_miss(now) && self.pass_late(now, slots)
     }
 
     #[inline(never)]
     fn pass_late(&mut self, now: MicrosQ16, slots: &mut Slots) -> bool {
         let mut has_missed = false;
-        while !slots.is_full() && self.lock.misses(now) {
+        while !slots.is_full() && self.pll.misses(now) {
             has_missed = true;
             self.step();
             if self.since >= self.share {
@@ -217,7 +217,7 @@ impl NetworkClock {
     /// A set-point comes. Whether it has its slot at once, wherever the slots have been.
     fn is_at_slot(&mut self) -> bool {
         let apart = self.spacing.come();
-        if !self.lock.is_locked() {
+        if !self.pll.is_locked() {
             self.share = self.share.min(self.since).max(1);
             return true;
         }
@@ -238,7 +238,7 @@ impl NetworkClock {
         }
         let event = self.early.take();
         let slot = Slot {
-            at: self.lock.at(),
+            at: self.pll.at(),
             period: self.period(),
             event,
         };
@@ -248,11 +248,11 @@ impl NetworkClock {
 
     /// How many SYNCs make one set-point, as long as the period is not settled and when 60C2h changes.
     fn find_share(&mut self, interpolation: MicrosQ16) {
-        if self.lock.is_locked() && self.interpolation == interpolation {
+        if self.pll.is_locked() && self.interpolation == interpolation {
             return;
         }
         self.interpolation = interpolation;
-        let period = self.lock.period();
+        let period = self.pll.period();
         let micros = |time: MicrosQ16| u32::try_from(time >> POINT).unwrap_or(u32::MAX);
         let half = micros(period) / 2;
         let share = micros(interpolation)
@@ -270,22 +270,22 @@ impl NetworkClock {
         let is_far =
             |period: MicrosQ16, from: MicrosQ16| from != 0 && from.abs_diff(period) > period / 16;
         self.is_synced
-            && self.lock.is_locked()
-            && (is_far(self.period(), interpolation) || is_far(self.lock.period(), cycle))
+            && self.pll.is_locked()
+            && (is_far(self.period(), interpolation) || is_far(self.pll.period(), cycle))
     }
 
     /// What 2050h shows of the sync events.
     pub(crate) fn status(&self) -> SyncStatus {
         // A period is at most two seconds, and so is jitter.
         let nanoseconds = |time: MicrosQ16| low::u32(time.wrapping_mul(1_000) >> POINT);
-        let is_there = self.lock.state() != 0;
+        let is_there = self.pll.state() != 0;
         let shown = |time| if is_there { nanoseconds(time) } else { 0 };
         SyncStatus {
-            state: if self.is_synced { self.lock.state() } else { 0 },
-            period: shown(self.lock.period()),
-            jitter: shown(self.lock.jitter()),
-            missed: self.lock.missed(),
-            rejected: self.lock.rejected(),
+            state: if self.is_synced { self.pll.state() } else { 0 },
+            period: shown(self.pll.period()),
+            jitter: shown(self.pll.jitter()),
+            missed: self.pll.missed(),
+            rejected: self.pll.rejected(),
             ..SyncStatus::default()
         }
     }

@@ -1,6 +1,6 @@
 //! What the cyclic modes go by: the sync events of the network, and the set-points that come with it.
 //!
-//! Each SYNC, with the set-point that holds at it, is a [`SyncEvent`]. The sync events drive a phase-locked loop (`lock`), and what comes out of it
+//! Each SYNC, with the set-point that holds at it, is a [`SyncEvent`]. The sync events drive a phase-locked loop (`pll`), and what comes out of it
 //! are slots: evenly spaced moments, each with its set-point or with none. A slot is decided on once, and what comes for it
 //! later is not used.
 //!
@@ -9,8 +9,8 @@
 
 mod buffer;
 mod clock;
-pub(crate) mod lock;
 mod pipeline;
+pub(crate) mod pll;
 mod rhythm;
 mod schedule;
 mod sync_event;

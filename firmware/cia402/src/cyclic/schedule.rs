@@ -12,7 +12,7 @@ use heapless::Deque;
 use motion::by_digit;
 use motion::low;
 
-use super::lock::Lock;
+use super::pll::Pll;
 use super::{MicrosQ16, POINT, micros_q16, span};
 
 /// The rhythm.
@@ -63,22 +63,22 @@ impl Schedule {
         self.tick
     }
 
-    /// A tick runs at `now`. Returns when the next one is due, in step with `lock`.
+    /// A tick runs at `now`. Returns when the next one is due, in step with `pll`.
     #[inline(never)]
-    pub(crate) fn next(&mut self, now: Instant, lock: &Lock) -> Instant {
+    pub(crate) fn next(&mut self, now: Instant, pll: &Pll) -> Instant {
         let now = micros_q16(now);
         if span(self.due, now).unsigned_abs() > self.nominal / 2 {
             self.due = now;
         }
-        self.due = self.due.wrapping_add(self.in_step(lock));
+        self.due = self.due.wrapping_add(self.in_step(pll));
         let half = 1 << (POINT - 1);
         Instant::from_ticks(self.due.wrapping_add(half) >> POINT)
     }
 
-    /// From this tick to the next, towards the moments of `lock`.
-    fn in_step(&mut self, lock: &Lock) -> MicrosQ16 {
-        if self.period != lock.period() {
-            self.period = lock.period();
+    /// From this tick to the next, towards the moments of `pll`.
+    fn in_step(&mut self, pll: &Pll) -> MicrosQ16 {
+        if self.period != pll.period() {
+            self.period = pll.period();
             self.tick = self.even(self.period);
         }
         // The tick of the grid that is nearest to where the next tick would be.
@@ -86,7 +86,7 @@ impl Schedule {
         let tick = self.tick.cast_signed();
         let grid = self
             .aimed_at(wanted)
-            .unwrap_or_else(|| lock.at().wrapping_sub(self.lead()));
+            .unwrap_or_else(|| pll.at().wrapping_sub(self.lead()));
         let off = span(grid, wanted);
         let off = nearest(off, tick);
         let most = tick / 32;
@@ -158,9 +158,9 @@ mod tests {
             off in prop::collection::vec(-10_i64..=10, 20..60),
         ) {
             let mut schedule = Schedule::new(Duration::micros(1_000));
-            let mut lock = Lock::new();
+            let mut pll = Pll::new();
             for k in 0..8 {
-                lock.hear((k * period) << POINT, [period << POINT, 0]);
+                pll.hear((k * period) << POINT, [period << POINT, 0]);
             }
             let aims = (9..).zip(&off).map(|(k, off)| (k * period).strict_add_signed(*off));
             let mut coming = aims.clone();
@@ -171,7 +171,7 @@ mod tests {
                 while schedule.aims.len() < 3 && let Some(aim) = coming.next() {
                     schedule.aim(aim << POINT);
                 }
-                now = schedule.next(now, &lock);
+                now = schedule.next(now, &pll);
                 ticks.push(now.ticks());
             }
             let mut met = 0;

@@ -83,7 +83,7 @@ const fn later(moment: Instant, micros: i64) -> Instant {
 
 #[cfg(test)]
 mod tests {
-    use super::super::lock::Lock;
+    use super::super::pll::Pll;
     use super::super::schedule::Schedule;
     use super::super::{MicrosQ16, POINT};
     use super::*;
@@ -94,7 +94,7 @@ mod tests {
     /// the moments of a SYNC each two milliseconds once they are in step.
     fn run(drift: i64) -> std::vec::Vec<i64> {
         let nominal = Duration::micros(1_000);
-        let mut lock = Lock::new();
+        let mut pll = Pll::new();
         let mut schedule = Schedule::new(nominal);
         let mut timer = TickTimer::new(nominal);
         let micros_q16 = |micros: u64| -> MicrosQ16 { micros << POINT };
@@ -112,7 +112,7 @@ mod tests {
             };
             let now = (fire >> POINT) + u64::from(late);
             while heard <= now {
-                lock.hear(micros_q16(heard), [micros_q16(2_000), 0]);
+                pll.hear(micros_q16(heard), [micros_q16(2_000), 0]);
                 heard += 2_000;
             }
             if tick > 1_000 {
@@ -120,7 +120,7 @@ mod tests {
                 off.push((since.cast_signed() + 500) % 1_000 - 500);
             }
             let now = Instant::from_ticks(now);
-            let due = schedule.next(now, &lock);
+            let due = schedule.next(now, &pll);
             let behind = timer.next(now, Some(due)).unwrap();
             lengths = [lengths[1], behind];
             let length = micros_q16(lengths[0].into());

@@ -133,8 +133,8 @@ impl Cyclic {
 
     /// When the next tick is due, in step with the sync events if there is a mode that needs it.
     pub(crate) fn next_tick(&mut self, now: Instant, is_in_step: bool) -> Option<Instant> {
-        let lock = self.clock.lock();
-        (is_in_step && lock.is_running()).then(|| self.schedule.next(now, lock))
+        let pll = self.clock.pll();
+        (is_in_step && pll.is_running()).then(|| self.schedule.next(now, pll))
     }
 
     /// The sync events, or what is set up, are not what they were.

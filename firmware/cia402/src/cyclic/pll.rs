@@ -31,7 +31,7 @@ const SLACK: u64 = 100 << POINT;
 /// What a sync event is to the loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Heard {
-    /// It belongs to the next moment, or to a later one: [`Lock::at`].
+    /// It belongs to the next moment, or to a later one: [`Pll::at`].
     InTurn,
     /// It comes twice, or after its moment was decided on.
     OutOfTurn,
@@ -39,7 +39,7 @@ pub(crate) enum Heard {
 
 /// The loop.
 #[derive(Debug)]
-pub(crate) struct Lock {
+pub(crate) struct Pll {
     /// The last moment that was decided on.
     at: MicrosQ16,
     /// When the last sync event came.
@@ -56,7 +56,7 @@ pub(crate) struct Lock {
     rejected: u32,
 }
 
-impl Lock {
+impl Pll {
     pub(crate) const fn new() -> Self {
         Self {
             at: 0,

@@ -11,14 +11,14 @@ fn micros(time: i64) -> MicrosQ16 {
 }
 
 /// Lets the loop hear evenly spaced sync events, each so many microseconds off; returns the moments.
-fn run(lock: &mut Lock, period: i64, offs: &[i64]) -> std::vec::Vec<MicrosQ16> {
+fn run(pll: &mut Pll, period: i64, offs: &[i64]) -> std::vec::Vec<MicrosQ16> {
     let begin = 1_000_000;
     (0..)
         .zip(offs)
         .map(|(k, off)| {
             let stamp = micros(begin + k * period + off);
-            lock.hear(stamp, [micros(period), 0]);
-            lock.at()
+            pll.hear(stamp, [micros(period), 0]);
+            pll.at()
         })
         .collect()
 }
@@ -30,8 +30,8 @@ proptest! {
         period in prop::sample::select(std::vec![1_000_i64, 2_000, 2_500, 4_000, 10_000]),
         offs in prop::collection::vec(-120_i64..=120, 200..400),
     ) {
-        let mut lock = Lock::new();
-        let moments = run(&mut lock, period, &offs);
+        let mut pll = Pll::new();
+        let moments = run(&mut pll, period, &offs);
         for (k, pair) in (0..).zip(moments.windows(2)) {
             if k < 100 {
                 continue;
@@ -43,8 +43,8 @@ proptest! {
             let away = span(due, pair[1]).abs() / MICRO;
             prop_assert!(away < 100, "{k}: {away} us away");
         }
-        prop_assert!(lock.is_locked());
-        prop_assert_eq!(lock.missed(), 0);
+        prop_assert!(pll.is_locked());
+        prop_assert_eq!(pll.missed(), 0);
     }
 
     /// Whatever is heard whenever, the period stays within its bounds and time goes on.
@@ -53,29 +53,29 @@ proptest! {
         steps in prop::collection::vec((0_u64..3_000_000, any::<bool>()), 1..200),
         expected in 0_u64..5_000_000,
     ) {
-        let mut lock = Lock::new();
+        let mut pll = Pll::new();
         let mut now = 0_u64;
         for (step, is_beat) in steps {
             now += step;
             if is_beat {
-                lock.hear(now << POINT, [expected << POINT, 0]);
+                pll.hear(now << POINT, [expected << POINT, 0]);
             } else {
                 for _ in 0..4 {
-                    lock.misses(now << POINT);
+                    pll.misses(now << POINT);
                 }
             }
-            prop_assert!((SHORTEST..=LONGEST).contains(&lock.period()));
+            prop_assert!((SHORTEST..=LONGEST).contains(&pll.period()));
         }
     }
 }
 
 #[test]
 fn a_stray_beat_is_not_measured_by() {
-    let mut lock = Lock::new();
+    let mut pll = Pll::new();
     let mut offs = [0; 200];
     offs[150] = 240;
-    let moments = run(&mut lock, 1_000, &offs);
-    assert_eq!(lock.rejected(), 1);
+    let moments = run(&mut pll, 1_000, &offs);
+    assert_eq!(pll.rejected(), 1);
     let interval = span(moments[149], moments[150]);
     assert!(
         (interval - 1_000 * MICRO).abs() < 2 * MICRO,
@@ -86,43 +86,43 @@ fn a_stray_beat_is_not_measured_by() {
 #[test]
 fn the_period_is_found_where_another_one_is_expected() {
     for (expected, period) in [(1_000, 10_000), (10_000, 1_000), (4_000, 2_500)] {
-        let mut lock = Lock::new();
+        let mut pll = Pll::new();
         for k in 0..300 {
-            lock.hear(micros(k * period), [micros(expected), 0]);
+            pll.hear(micros(k * period), [micros(expected), 0]);
         }
-        assert!(lock.is_locked());
-        assert!(lock.period().abs_diff(micros(period)) < micros(1));
+        assert!(pll.is_locked());
+        assert!(pll.period().abs_diff(micros(period)) < micros(1));
     }
 }
 
 #[test]
 fn another_period_is_found_after_a_while() {
-    let mut lock = Lock::new();
-    run(&mut lock, 4_000, &[0; 100]);
+    let mut pll = Pll::new();
+    run(&mut pll, 4_000, &[0; 100]);
     let begin = 1_000_000 + 100 * 4_000;
     for k in 0..200 {
         let stamp = micros(begin + k * 1_000);
-        lock.misses(stamp);
-        lock.hear(stamp, [micros(4_000), 0]);
+        pll.misses(stamp);
+        pll.hear(stamp, [micros(4_000), 0]);
     }
-    assert!(lock.is_locked());
-    assert!(lock.period().abs_diff(micros(1_000)) < micros(1));
+    assert!(pll.is_locked());
+    assert!(pll.period().abs_diff(micros(1_000)) < micros(1));
 }
 
 #[test]
 fn m64_missed_beats_are_counted_and_do_not_move_the_moments() {
-    let mut lock = Lock::new();
-    let moments = run(&mut lock, 1_000, &[0; 200]);
+    let mut pll = Pll::new();
+    let moments = run(&mut pll, 1_000, &[0; 200]);
     let last = moments[199];
     let now = last + micros(2_600);
-    assert!(lock.misses(now));
-    assert!(lock.misses(now));
-    assert!(!lock.misses(now));
-    assert_eq!(lock.missed(), 2);
-    assert!((span(last, lock.at()) - 2_000 * MICRO).abs() < MICRO);
-    assert_eq!(lock.hear(last + micros(3_000), [0, 0]), Heard::InTurn);
+    assert!(pll.misses(now));
+    assert!(pll.misses(now));
+    assert!(!pll.misses(now));
+    assert_eq!(pll.missed(), 2);
+    assert!((span(last, pll.at()) - 2_000 * MICRO).abs() < MICRO);
+    assert_eq!(pll.hear(last + micros(3_000), [0, 0]), Heard::InTurn);
     assert_eq!(
-        lock.hear(last + micros(3_100), [0, 0]),
+        pll.hear(last + micros(3_100), [0, 0]),
         Heard::OutOfTurn,
         "twice"
     );
@@ -130,14 +130,14 @@ fn m64_missed_beats_are_counted_and_do_not_move_the_moments() {
 
 #[test]
 fn silence_ends_the_lock_and_not_the_moments() {
-    let mut lock = Lock::new();
-    run(&mut lock, 1_000, &[0; 100]);
-    let mut now = lock.at();
+    let mut pll = Pll::new();
+    run(&mut pll, 1_000, &[0; 100]);
+    let mut now = pll.at();
     for _ in 0..20 {
         now += micros(1_000);
-        while lock.misses(now) {}
+        while pll.misses(now) {}
     }
-    assert_eq!(lock.state(), 0);
-    assert!(lock.is_running());
-    assert_eq!(lock.missed(), u32::from(SILENCE));
+    assert_eq!(pll.state(), 0);
+    assert!(pll.is_running());
+    assert_eq!(pll.missed(), u32::from(SILENCE));
 }
