@@ -8,7 +8,7 @@ use heapless::Vec;
 
 use motion::low;
 
-use super::pll::{Heard, Pll};
+use super::pll::{Arrival, Pll};
 use super::{MicrosQ16, POINT, Pipeline, SyncEvent, SyncStatus, micros_q16};
 
 /// The most slots in one control tick.
@@ -158,7 +158,7 @@ impl NetworkClock {
     }
 
     /// A sync event came. `is_new` says whether it brings a set-point, `interpolation` is 60C2h and `cycle` 1006h, both 0 if not known.
-    pub(crate) fn hear(
+    pub(crate) fn on_sync_event(
         &mut self,
         event: SyncEvent,
         is_new: bool,
@@ -172,8 +172,10 @@ impl NetworkClock {
             self.is_synced = event.is_sync;
             self.begin_anew();
         }
-        let heard = self.pll.hear(micros_q16(event.at), [interpolation, cycle]);
-        if heard == Heard::OutOfTurn {
+        let arrival = self
+            .pll
+            .on_sync_event(micros_q16(event.at), [interpolation, cycle]);
+        if arrival == Arrival::OutOfTurn {
             return;
         }
         self.find_share(interpolation);

@@ -5,9 +5,9 @@
 //! off count as sync events, but nothing is measured by them; where too many are, the loop begins anew.
 //!
 //! The contract:
-//! - Moments follow each other by about a period; each is decided on once, as heard or as missed.
+//! - Moments follow each other by about a period; each is decided on once, as come or as missed.
 //! - Missed sync events do not move the moments: the loop goes on as it was.
-//! - A period lies within [`SHORTEST`] and [`LONGEST`], whatever is heard.
+//! - A period lies within [`SHORTEST`] and [`LONGEST`], whatever comes.
 
 use super::{MicrosQ16, POINT, span};
 
@@ -30,7 +30,7 @@ const SLACK: u64 = 100 << POINT;
 
 /// What a sync event is to the loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Heard {
+pub(crate) enum Arrival {
     /// It belongs to the next moment, or to a later one: [`Pll::at`].
     InTurn,
     /// It comes twice, or after its moment was decided on.
@@ -43,7 +43,7 @@ pub(crate) struct Pll {
     /// The last moment that was decided on.
     at: MicrosQ16,
     /// When the last sync event came.
-    heard: MicrosQ16,
+    last_event: MicrosQ16,
     period: MicrosQ16,
     is_running: bool,
     /// Sync events since it began, as far as it matters.
@@ -60,7 +60,7 @@ impl Pll {
     pub(crate) const fn new() -> Self {
         Self {
             at: 0,
-            heard: 0,
+            last_event: 0,
             period: SHORTEST,
             is_running: false,
             good: 0,
@@ -123,13 +123,13 @@ impl Pll {
     }
 
     /// A sync event came at `stamp`. The period is expected to be one of `expected`, the first of them before there is anything to measure by.
-    pub(crate) fn hear(&mut self, stamp: MicrosQ16, expected: [MicrosQ16; 2]) -> Heard {
-        let before = span(self.heard, stamp);
+    pub(crate) fn on_sync_event(&mut self, stamp: MicrosQ16, expected: [MicrosQ16; 2]) -> Arrival {
+        let before = span(self.last_event, stamp);
         if !self.is_running || self.silent >= SILENCE || self.trouble >= TROUBLE || before < 0 {
             self.begin(stamp, expected);
-            return Heard::InTurn;
+            return Arrival::InTurn;
         }
-        self.heard = stamp;
+        self.last_event = stamp;
         if self.good == 0 {
             return self.measure(stamp, before.unsigned_abs(), expected);
         }
@@ -140,7 +140,7 @@ impl Pll {
             periods = self.periods(since);
             if periods == 0 {
                 self.reject();
-                return Heard::OutOfTurn;
+                return Arrival::OutOfTurn;
             }
             self.missed = self.missed.saturating_add(periods.wrapping_sub(1));
             due = due.wrapping_mul(periods.into());
@@ -155,7 +155,7 @@ impl Pll {
         } else {
             self.correct(error, periods);
         }
-        Heard::InTurn
+        Arrival::InTurn
     }
 
     /// Whether the next moment may have passed without its sync event: false for certain.
@@ -188,7 +188,7 @@ impl Pll {
         let expected = if expected == 0 { USUAL } else { expected };
         *self = Self {
             at: stamp,
-            heard: stamp,
+            last_event: stamp,
             period: expected.clamp(SHORTEST, LONGEST),
             is_running: true,
             missed: self.missed,
@@ -198,10 +198,10 @@ impl Pll {
     }
 
     /// The second sync event: its distance is the period, or near one that is expected.
-    fn measure(&mut self, stamp: MicrosQ16, distance: u64, expected: [MicrosQ16; 2]) -> Heard {
+    fn measure(&mut self, stamp: MicrosQ16, distance: u64, expected: [MicrosQ16; 2]) -> Arrival {
         if distance < SHORTEST / 2 {
             self.rejected = self.rejected.saturating_add(1);
-            return Heard::OutOfTurn;
+            return Arrival::OutOfTurn;
         }
         let near = |period: &MicrosQ16| *period > 0 && distance.abs_diff(*period) <= *period / 3;
         self.period = expected
@@ -211,7 +211,7 @@ impl Pll {
             .clamp(SHORTEST, LONGEST);
         self.at = stamp;
         self.good = 1;
-        Heard::InTurn
+        Arrival::InTurn
     }
 
     /// How many periods it has been, to the nearest. In whole microseconds, which the processor divides fast.

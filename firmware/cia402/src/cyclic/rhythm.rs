@@ -42,7 +42,7 @@ impl Rhythm {
 
     /// A record came at `stamp` and found the buffer empty.
     #[inline(never)]
-    pub(crate) fn hear(&mut self, stamp: MicrosQ16, period: MicrosQ16) {
+    pub(crate) fn on_record(&mut self, stamp: MicrosQ16, period: MicrosQ16) {
         let ahead = (period / 2).min(AHEAD);
         let Some(next) = self.next.filter(|_| self.idle < PAUSE) else {
             self.next = Some(stamp.wrapping_add(ahead));
@@ -108,22 +108,22 @@ mod tests {
     fn m68_slots_are_a_period_apart_from_half_a_period_behind_the_first_record_on() {
         let mut rhythm = Rhythm::new();
         assert!(slots(&mut rhythm, 0, 100, 0).is_empty());
-        rhythm.hear(100 * MS, 10 * MS);
+        rhythm.on_record(100 * MS, 10 * MS);
         assert_eq!(
             slots(&mut rhythm, 101, 140, 5),
             [105 * MS, 115 * MS, 125 * MS, 135 * MS]
         );
         // A record behind its slot, and one ahead of it, move the next one a little.
-        rhythm.hear(143 * MS, 10 * MS);
+        rhythm.on_record(143 * MS, 10 * MS);
         assert_eq!(slots(&mut rhythm, 144, 150, 1), [145 * MS + 3 * MS / 32]);
-        rhythm.hear(149 * MS, 10 * MS);
+        rhythm.on_record(149 * MS, 10 * MS);
         let [at] = slots(&mut rhythm, 150, 160, 1)[..] else {
             panic!("one slot");
         };
         assert!(at > 155 * MS && at < 155 * MS + 3 * MS / 32);
         // After a pause they begin anew.
         assert_eq!(slots(&mut rhythm, 161, 244, 0).len(), 8);
-        rhythm.hear(250 * MS + 1, 10 * MS);
+        rhythm.on_record(250 * MS + 1, 10 * MS);
         assert_eq!(slots(&mut rhythm, 251, 260, 1), [255 * MS + 1]);
     }
 }

@@ -160,7 +160,7 @@ mod tests {
             let mut schedule = Schedule::new(Duration::micros(1_000));
             let mut pll = Pll::new();
             for k in 0..8 {
-                pll.hear((k * period) << POINT, [period << POINT, 0]);
+                pll.on_sync_event((k * period) << POINT, [period << POINT, 0]);
             }
             let aims = (9..).zip(&off).map(|(k, off)| (k * period).strict_add_signed(*off));
             let mut coming = aims.clone();

@@ -98,7 +98,7 @@ mod tests {
         let mut schedule = Schedule::new(nominal);
         let mut timer = TickTimer::new(nominal);
         let micros_q16 = |micros: u64| -> MicrosQ16 { micros << POINT };
-        let mut heard = BEGIN;
+        let mut sync = BEGIN;
         let mut fire = micros_q16(BEGIN + 333);
         let mut lengths = [1_000_u32; 2];
         let mut random = 1_u32;
@@ -111,9 +111,9 @@ mod tests {
                 random >> 24 & 63
             };
             let now = (fire >> POINT) + u64::from(late);
-            while heard <= now {
-                pll.hear(micros_q16(heard), [micros_q16(2_000), 0]);
-                heard += 2_000;
+            while sync <= now {
+                pll.on_sync_event(micros_q16(sync), [micros_q16(2_000), 0]);
+                sync += 2_000;
             }
             if tick > 1_000 {
                 let since = (fire >> POINT).wrapping_sub(BEGIN - 250) % 1_000;

@@ -87,16 +87,16 @@ impl Cyclic {
         for _ in 0..waiting.sync_events {
             if let Some(event) = exchange.lock(Exchange::take_sync_event) {
                 if event.is_sync || !has_records {
-                    self.hear(event, configuration, mode);
+                    self.on_sync_event(event, configuration, mode);
                 } else if core::mem::take(&mut is_empty) {
                     self.rhythm
-                        .hear(micros_q16(event.at), micros(configuration.period));
+                        .on_record(micros_q16(event.at), micros(configuration.period));
                 }
             }
         }
     }
 
-    fn hear(&mut self, event: SyncEvent, configuration: &CyclicConfiguration, mode: Mode) {
+    fn on_sync_event(&mut self, event: SyncEvent, configuration: &CyclicConfiguration, mode: Mode) {
         self.rhythm.stop();
         let is_new = match mode {
             Mode::CyclicVelocity => event.velocity.is_some(),
@@ -105,7 +105,7 @@ impl Cyclic {
             _ => event.position.is_some(),
         };
         self.clock
-            .hear(event, is_new, configuration.periods(), &mut self.slots);
+            .on_sync_event(event, is_new, configuration.periods(), &mut self.slots);
     }
 
     /// Lets time pass. `configuration` is what was taken with the sync events of this tick.

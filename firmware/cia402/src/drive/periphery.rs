@@ -1,4 +1,4 @@
-//! The drive and what is at it beside the motor's motion: how each part of the periphery hears of the drive, and what comes of it.
+//! The drive and what is at it beside the motor's motion: what each part of the periphery is told of the drive, and what comes of it.
 
 use canopen::Instant;
 

@@ -255,7 +255,7 @@ impl<M: Deref<Target = Memory>> Recorder<M> {
             self.arm();
         }
         self.is_ordered = orders.trigger;
-        // The exchange has foretold what comes of it; now it hears what did.
+        // The exchange shows what is expected of the order; now it shows what came of it.
         self.tell(exchange);
     }
 

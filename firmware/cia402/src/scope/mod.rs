@@ -81,7 +81,7 @@ impl Status {
         }
     }
 
-    /// A recorder that nobody has heard of.
+    /// A recorder that has told nothing yet.
     pub const NONE: Self = Self {
         state: State::Idle,
         recorded: 0,

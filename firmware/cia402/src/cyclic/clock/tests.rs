@@ -8,7 +8,7 @@ use super::*;
 
 const CYCLE: u64 = 1_000;
 
-/// A clock that hears a SYNC each millisecond.
+/// A clock with a SYNC each millisecond.
 struct Network {
     clock: NetworkClock,
     interpolation: u64,
@@ -38,7 +38,7 @@ impl Network {
         let mut slots = Slots::new();
         let times = (self.interpolation << POINT, 0);
         self.clock
-            .hear(event, position.is_some(), times, &mut slots);
+            .on_sync_event(event, position.is_some(), times, &mut slots);
         assert!(slots.len() <= 1);
         let slot = slots.first()?;
         Some(slot.event.and_then(|event| event.position))

@@ -10,14 +10,14 @@ fn micros(time: i64) -> MicrosQ16 {
     time.unsigned_abs() << POINT
 }
 
-/// Lets the loop hear evenly spaced sync events, each so many microseconds off; returns the moments.
+/// Gives the loop evenly spaced sync events, each so many microseconds off; returns the moments.
 fn run(pll: &mut Pll, period: i64, offs: &[i64]) -> std::vec::Vec<MicrosQ16> {
     let begin = 1_000_000;
     (0..)
         .zip(offs)
         .map(|(k, off)| {
             let stamp = micros(begin + k * period + off);
-            pll.hear(stamp, [micros(period), 0]);
+            pll.on_sync_event(stamp, [micros(period), 0]);
             pll.at()
         })
         .collect()
@@ -47,9 +47,9 @@ proptest! {
         prop_assert_eq!(pll.missed(), 0);
     }
 
-    /// Whatever is heard whenever, the period stays within its bounds and time goes on.
+    /// Whatever comes whenever, the period stays within its bounds and time goes on.
     #[test]
-    fn nothing_that_is_heard_breaks_the_loop(
+    fn no_sync_event_breaks_the_loop(
         steps in prop::collection::vec((0_u64..3_000_000, any::<bool>()), 1..200),
         expected in 0_u64..5_000_000,
     ) {
@@ -58,7 +58,7 @@ proptest! {
         for (step, is_beat) in steps {
             now += step;
             if is_beat {
-                pll.hear(now << POINT, [expected << POINT, 0]);
+                pll.on_sync_event(now << POINT, [expected << POINT, 0]);
             } else {
                 for _ in 0..4 {
                     pll.misses(now << POINT);
@@ -88,7 +88,7 @@ fn the_period_is_found_where_another_one_is_expected() {
     for (expected, period) in [(1_000, 10_000), (10_000, 1_000), (4_000, 2_500)] {
         let mut pll = Pll::new();
         for k in 0..300 {
-            pll.hear(micros(k * period), [micros(expected), 0]);
+            pll.on_sync_event(micros(k * period), [micros(expected), 0]);
         }
         assert!(pll.is_locked());
         assert!(pll.period().abs_diff(micros(period)) < micros(1));
@@ -103,7 +103,7 @@ fn another_period_is_found_after_a_while() {
     for k in 0..200 {
         let stamp = micros(begin + k * 1_000);
         pll.misses(stamp);
-        pll.hear(stamp, [micros(4_000), 0]);
+        pll.on_sync_event(stamp, [micros(4_000), 0]);
     }
     assert!(pll.is_locked());
     assert!(pll.period().abs_diff(micros(1_000)) < micros(1));
@@ -120,10 +120,13 @@ fn m64_missed_beats_are_counted_and_do_not_move_the_moments() {
     assert!(!pll.misses(now));
     assert_eq!(pll.missed(), 2);
     assert!((span(last, pll.at()) - 2_000 * MICRO).abs() < MICRO);
-    assert_eq!(pll.hear(last + micros(3_000), [0, 0]), Heard::InTurn);
     assert_eq!(
-        pll.hear(last + micros(3_100), [0, 0]),
-        Heard::OutOfTurn,
+        pll.on_sync_event(last + micros(3_000), [0, 0]),
+        Arrival::InTurn
+    );
+    assert_eq!(
+        pll.on_sync_event(last + micros(3_100), [0, 0]),
+        Arrival::OutOfTurn,
         "twice"
     );
 }
