@@ -35,7 +35,6 @@ mod copied;
 pub mod cyclic;
 pub mod device;
 pub mod drive;
-mod dwell;
 pub mod exchange;
 pub mod faults;
 pub mod indicator;
@@ -60,6 +59,7 @@ pub mod statusword;
 mod testing;
 mod travel;
 pub mod units;
+mod window_timer;
 
 pub use actuator::{
     Actuator, AtPort, Emitter, EmitterLock, ServoAxis, ServoGoal, ServoOrder, ServoPort,

@@ -8,7 +8,7 @@ use canopen::Instant;
 use motion::{Demand, SignedSpeed, low};
 
 use crate::configuration::Configuration;
-use crate::dwell::Dwell;
+use crate::window_timer::WindowTimer;
 
 /// Control ticks over which a change of the following error is taken.
 const SPAN: usize = 16;
@@ -22,7 +22,7 @@ pub(crate) struct Monitor {
     /// Each with its moment in microseconds: in step with SYNC a tick may be a good deal shorter than a nominal one.
     errors: [(i32, u32); SPAN],
     oldest: usize,
-    outside: Dwell,
+    outside: WindowTimer,
     /// What was found in this tick.
     observed: Observed,
     /// The following error has been too large since the last fault reset.
@@ -47,7 +47,7 @@ impl Monitor {
         Self {
             errors: [(0, 0); SPAN],
             oldest: 0,
-            outside: Dwell::new(),
+            outside: WindowTimer::new(),
             observed: Observed::NONE,
             has_lost: false,
         }
@@ -73,7 +73,7 @@ impl Monitor {
         for (error, _) in &mut self.errors {
             *error = 0;
         }
-        self.outside = Dwell::new();
+        self.outside = WindowTimer::new();
         self.put(now, 0);
         self.observed = Observed::NONE;
     }

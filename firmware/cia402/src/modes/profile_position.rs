@@ -35,11 +35,11 @@ use super::kept_velocity::{KeptVelocity, Order};
 use super::{Context, Parts};
 use crate::actuator::{Actuator, Refused};
 use crate::controlword::NEW_SET_POINT;
-use crate::dwell::Dwell;
 use crate::motor::Motor;
 use crate::option_codes::StopRamp;
 use crate::statusword::{INTERNAL_LIMIT, SET_POINT_ACKNOWLEDGE, TARGET_REACHED};
 use crate::travel::Travel;
+use crate::window_timer::WindowTimer;
 use set_point::{Limited, SetPoint};
 
 /// 6067h: the window is not looked at.
@@ -89,7 +89,7 @@ pub(super) struct ProfilePosition {
     is_held_back: bool,
     /// The software limits that the set-points were cut to.
     travel: Travel,
-    window: Dwell,
+    window: WindowTimer,
 }
 
 impl ProfilePosition {
@@ -109,7 +109,7 @@ impl ProfilePosition {
             is_recut: false,
             is_held_back: false,
             travel: Travel::NONE,
-            window: Dwell::new(),
+            window: WindowTimer::new(),
         }
     }
 
@@ -224,7 +224,7 @@ impl ProfilePosition {
         self.target = set_point.target;
         self.user = Some(set_point.user);
         context.frame.remember(set_point.user, set_point.target);
-        self.window = Dwell::new();
+        self.window = WindowTimer::new();
     }
 
     /// The set-point under way as it is left for the one that waits: with bit 9 without slowing down more than needed.

@@ -16,10 +16,10 @@ use motion::{Limits, SignedSpeed, Speed};
 use super::kept_velocity::{KeptVelocity, Order};
 use super::{Context, Parts};
 use crate::actuator::Actuator;
-use crate::dwell::Dwell;
 use crate::motor::Motor;
 use crate::option_codes::StopRamp;
 use crate::statusword::{INTERNAL_LIMIT, SLIPPAGE, SPEED_ZERO, TARGET_REACHED};
+use crate::window_timer::WindowTimer;
 
 /// The mode.
 #[derive(Debug)]
@@ -28,8 +28,8 @@ pub(super) struct ProfileVelocity {
     /// The velocity or a ramp of the order is cut to its limit.
     is_cut: bool,
     held: bool,
-    reached: Dwell,
-    moving: Dwell,
+    reached: WindowTimer,
+    moving: WindowTimer,
 }
 
 impl ProfileVelocity {
@@ -38,8 +38,8 @@ impl ProfileVelocity {
             motion: KeptVelocity::new(),
             is_cut: false,
             held: false,
-            reached: Dwell::new(),
-            moving: Dwell::new(),
+            reached: WindowTimer::new(),
+            moving: WindowTimer::new(),
         }
     }
 

@@ -4,11 +4,11 @@ use canopen::{Duration, Instant};
 
 /// Since when a condition has held.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Dwell {
+pub(crate) struct WindowTimer {
     since: Option<Instant>,
 }
 
-impl Dwell {
+impl WindowTimer {
     /// It does not hold yet.
     pub(crate) const fn new() -> Self {
         Self { since: None }
@@ -36,19 +36,19 @@ mod tests {
 
     #[test]
     fn m34_leaving_the_window_starts_the_time_anew() {
-        let mut dwell = Dwell::new();
-        assert!(!dwell.has_held(at(0), true, 10));
-        assert!(!dwell.has_held(at(9), true, 10));
-        assert!(!dwell.has_held(at(9), false, 10));
-        assert!(!dwell.has_held(at(10), true, 10));
-        assert!(!dwell.has_held(at(19), true, 10));
-        assert!(dwell.has_held(at(20), true, 10));
+        let mut timer = WindowTimer::new();
+        assert!(!timer.has_held(at(0), true, 10));
+        assert!(!timer.has_held(at(9), true, 10));
+        assert!(!timer.has_held(at(9), false, 10));
+        assert!(!timer.has_held(at(10), true, 10));
+        assert!(!timer.has_held(at(19), true, 10));
+        assert!(timer.has_held(at(20), true, 10));
     }
 
     #[test]
     fn m34_without_a_time_it_counts_at_once() {
-        let mut dwell = Dwell::new();
-        assert!(dwell.has_held(at(0), true, 0));
-        assert!(!dwell.has_held(at(1), false, 0));
+        let mut timer = WindowTimer::new();
+        assert!(timer.has_held(at(0), true, 0));
+        assert!(!timer.has_held(at(1), false, 0));
     }
 }
