@@ -17,7 +17,7 @@ use cia402::{
     Actuals, Actuator, AtPort, Behaves, Device, DriveConfig, Exchange, Objects, ServoAxis, StepAxis,
 };
 use motion::{AxisConfig, Clock, DriverTiming};
-use runtime::servo::Desk;
+use runtime::servo::ServoObjects;
 use runtime::{Control, Controller as _, Node, PowerUp, Stamped};
 
 use crate::flash::Flash;
@@ -65,7 +65,7 @@ pub struct VirtualDrive<D: Behaves, A = StepAxis> {
     next_refill: Instant,
     events: VecDeque<Event>,
     samples: Option<Vec<MotionSample>>,
-    desk: Desk,
+    servo_objects: ServoObjects,
 }
 
 impl<D: Behaves + Default, A: Moving> VirtualDrive<D, A> {
@@ -101,7 +101,7 @@ impl<D: Behaves + Default, A: Moving> VirtualDrive<D, A> {
             next_refill: now,
             events: VecDeque::new(),
             samples: None,
-            desk: Desk::default(),
+            servo_objects: ServoObjects::default(),
         }
     }
 
@@ -113,7 +113,7 @@ impl<D: Behaves + Default, A: Moving> VirtualDrive<D, A> {
         self.controller = controller(&self.node);
         self.received = Received::default();
         self.exchange = Exchange::new();
-        self.desk = Desk::default();
+        self.servo_objects = ServoObjects::default();
         self.events.clear();
         self.powered = false;
         self.was_reset = true;
@@ -219,13 +219,16 @@ impl<D: Behaves + Default, A: Moving> VirtualDrive<D, A> {
             return;
         };
         let loops = servo.loops_mut();
-        let (settings, request) = self.desk.read(self.node.device().node().dictionary());
+        let (settings, request) = self
+            .servo_objects
+            .read(self.node.device().node().dictionary());
         loops.set_up(&settings);
         if let Some(request) = request {
             loops.request(request);
         }
-        self.desk.show(self.node.dictionary_mut(), loops.found());
-        Desk::show_lead(self.node.dictionary_mut(), loops.lead());
+        self.servo_objects
+            .show(self.node.dictionary_mut(), loops.found());
+        ServoObjects::show_lead(self.node.dictionary_mut(), loops.lead());
     }
 
     /// Lets the node do what there is to do. Returns when it wants to run again.

@@ -10,7 +10,9 @@ use rtic::Mutex;
 use runtime::{inbox, Controller, Inbox, Lost, Node, PowerUp, Received, Signals};
 use store::Store;
 
-use crate::board::{self, Board, ControlTimer, Desk, InputLines, Parts, Receive, Selected, Steps};
+use crate::board::{
+    self, Board, ControlTimer, InputLines, Parts, Receive, Selected, ServoObjects, Steps,
+};
 use crate::clock;
 use crate::control::{Control, CONFIG, RATE_HZ};
 use crate::dictionary::Dictionary;
@@ -109,7 +111,7 @@ impl Step {
 pub struct NodeTask {
     node: Node<Dictionary, Machine, Store<<Selected as Board>::Parameters>>,
     received: Received,
-    desk: <Selected as Board>::Desk,
+    servo_objects: <Selected as Board>::ServoObjects,
     /// The task has run: the first time it powers the node on.
     is_on: bool,
 }
@@ -132,7 +134,7 @@ impl NodeTask {
             self.node.power_on(&mut around, &mut bus);
         }
         let deadline = (self.node).run(&mut around, &mut bus, &mut self.received);
-        Desk::attend(&mut self.desk, self.node.dictionary_mut());
+        ServoObjects::attend(&mut self.servo_objects, self.node.dictionary_mut());
         let now = clock::now();
         let wait = deadline.ticks().saturating_sub(now.ticks()).max(NEAREST);
         if wait < TICK {
@@ -148,7 +150,7 @@ pub fn start(device: <Selected as Board>::Device, timer: SYST, memory: Memory) -
     let Parts {
         pulses,
         steps,
-        desk,
+        servo_objects,
         receiver,
         bus,
         stage,
@@ -198,7 +200,7 @@ pub fn start(device: <Selected as Board>::Device, timer: SYST, memory: Memory) -
             store,
         ),
         received,
-        desk,
+        servo_objects,
         is_on: false,
     });
     let emitter = place(emitter, || Emitter::new(CONFIG));

@@ -289,7 +289,7 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
             periphery::show(self.node.dictionary_mut(), &latched, &readings);
         }
         if D::DRIVE.scope {
-            self.hooks.desk.show(self.node.dictionary_mut(), scope);
+            self.hooks.scope.show(self.node.dictionary_mut(), scope);
         }
         if D::Behaviour::IS_THERE {
             let view = View {
@@ -399,7 +399,7 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
             self.configure(exchange);
         }
         if D::DRIVE.scope
-            && let Some(orders) = self.hooks.desk.take_orders()
+            && let Some(orders) = self.hooks.scope.take_orders()
         {
             exchange.lock(|exchange| exchange.order(orders));
         }

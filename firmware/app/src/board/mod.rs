@@ -89,7 +89,7 @@ pub trait Board: Sized {
     /// What step pulses and captured positions need of an interrupt.
     type Steps: Steps + Send;
     /// What a servo has beside its orders.
-    type Desk: Desk + Send;
+    type ServoObjects: ServoObjects + Send;
     /// The interrupts of the CAN controller.
     type Receiver: Receive<Self::Bus> + Send;
     /// The CAN controller.
@@ -153,7 +153,7 @@ pub trait Board: Sized {
 pub struct Parts<B: Board> {
     pub pulses: B::Pulses,
     pub steps: B::Steps,
-    pub desk: B::Desk,
+    pub servo_objects: B::ServoObjects,
     pub receiver: B::Receiver,
     pub bus: B::Bus,
     pub stage: B::Stage,
@@ -205,16 +205,16 @@ pub trait Pulses: PulseSink {
 }
 
 /// What a servo has beside its orders: gains, data and measurements of its motor, between the dictionary and its loops.
-pub trait Desk {
+pub trait ServoObjects {
     /// Hands on what masters have written, and shows what was found. Called behind each run of the node.
     fn attend<D: od::Dictionary>(&mut self, dictionary: &mut D);
 }
 
 /// A step driver has none.
 #[allow(dead_code, reason = "a board with a servo has one")]
-pub struct NoDesk;
+pub struct NoServoObjects;
 
-impl Desk for NoDesk {
+impl ServoObjects for NoServoObjects {
     fn attend<D: od::Dictionary>(&mut self, _: &mut D) {}
 }
 

@@ -26,7 +26,7 @@ use crate::cyclic::{CyclicConfiguration, SyncEvent};
 use crate::objects::Objects;
 use crate::parameters::Parameter;
 use crate::protection::{PASSWORD, PRODUCTION, Protection};
-use crate::recorder::Desk;
+use crate::recorder::ScopeObjects;
 use crate::rules;
 use crate::units::Units;
 
@@ -72,7 +72,7 @@ pub(crate) struct Hooks<A, B> {
     pub(crate) protection: Protection,
     pub(crate) commissioning: Commissioning,
     /// The scope.
-    pub(crate) desk: Desk,
+    pub(crate) scope: ScopeObjects,
     /// The serial number of production; 0 for none.
     produced: u32,
     /// Set-points of the cyclic modes that were written since the last sync event: 607Ah, 60FFh, 6071h.
@@ -98,7 +98,7 @@ impl<A, B: Behaviour> Hooks<A, B> {
             outputs_written: false,
             protection: Protection::default(),
             commissioning: Commissioning::default(),
-            desk: Desk::default(),
+            scope: ScopeObjects::default(),
             produced: 0,
             fresh: (false, false, false),
             record: None,
@@ -277,7 +277,7 @@ impl<D: Behaves, A: Application<D>> Application<D> for Hooks<A, D::Behaviour> {
         protected.inspect_err(|code| self.protection.refused(entry, *code))?;
         self.check_setting::<D>(entry, value)?;
         if D::DRIVE.scope {
-            self.desk.check(dictionary, entry, value)?;
+            self.scope.check(dictionary, entry, value)?;
         }
         if let Some(parameter) = parameter
             && let Some(number) = od::number(entry, value)
@@ -321,7 +321,7 @@ impl<D: Behaves, A: Application<D>> Application<D> for Hooks<A, D::Behaviour> {
         self.configured |= parameter.is_some_and(|parameter| !parameter.is_command());
         self.delay_written |= entry.index == RESTART_DELAY;
         if D::DRIVE.scope {
-            self.desk.written(dictionary, entry);
+            self.scope.written(dictionary, entry);
         }
         if entry.index >> 4 == PASSWORD >> 4 {
             self.delay_written |= entry.index == SDO_TIME_OUT;
@@ -417,7 +417,7 @@ impl<D: Behaves, A: Application<D>> Application<D> for Hooks<A, D::Behaviour> {
         self.protection.load();
         self.protection.show(dictionary);
         if D::DRIVE.scope {
-            self.desk.power_on(dictionary);
+            self.scope.power_on(dictionary);
         }
         if D::Behaviour::IS_THERE {
             self.behaviour.power_on(dictionary);

@@ -5,7 +5,7 @@
 //! trigger comes, as many samples follow as are left, and then 20D3h is there to be read. `docs/scope.md` has every byte.
 //!
 //! The parts:
-//! - `Desk`, in the node task: the rules of the objects, and what a master has ordered.
+//! - `ScopeObjects`, in the node task: the rules of the objects, and what a master has ordered.
 //! - [`Recorder`], behind the control tick: takes orders, looks for the trigger, samples.
 //! - [`Recording`], in the node task: the source of 20D3h.
 //!
@@ -17,15 +17,15 @@
 //! - Nobody waits for a lock longer than the copy of a set of actual values, however large the memory is.
 //! - A recorder that is idle costs a control tick one look at the exchange.
 
-mod desk;
 mod memory;
+mod objects;
 mod reading;
 mod sampling;
 mod values;
 
 pub use crate::scope::{CHANNELS, Edge, Orders, Setup, Signal, State, Status, Trigger};
-pub(crate) use desk::Desk;
 pub use memory::{HEADER, Memory, VERSION};
+pub(crate) use objects::ScopeObjects;
 pub use reading::Recording;
 pub use sampling::Recorder;
 

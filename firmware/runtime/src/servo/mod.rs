@@ -3,7 +3,7 @@
 //! | here | does | the host gives |
 //! |---|---|---|
 //! | [`Loops`] | a period of the modulation, and the loops above it: counts in, pulse widths out | the counts |
-//! | [`Desk`] | what masters set and ask for, and what was found | the dictionary |
+//! | [`ServoObjects`] | what masters set and ask for, and what was found | the dictionary |
 //! | [`Link`] | what the tasks of a board copy from one to the other | |
 //! | [`Current`] | the loops in the current interrupt, at one end of the link | counts, time |
 //! | [`Port`] | the port of the axis, at its other end | time |
@@ -13,9 +13,9 @@
 
 mod current;
 mod data;
-mod desk;
 mod link;
 mod measurement;
+mod objects;
 mod orders;
 mod port;
 mod settings;
@@ -31,10 +31,10 @@ use servo::{Angle, Control, CurrentInterrupt, Implausible, Motor, Wiring};
 
 pub use current::Current;
 pub use data::{ServoData, StageData};
-pub use desk::Desk;
 pub use link::Link;
 use measurement::{Ending, Measurement};
 pub use measurement::{Found, Request};
+pub use objects::ServoObjects;
 pub use orders::error_code;
 pub use port::Port;
 use settings::loops;

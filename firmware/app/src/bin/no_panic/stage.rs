@@ -6,7 +6,7 @@ use ::servo::stage::{sensors, thermistor, Counter, GateDriver};
 use ::servo::Implausible;
 use cia402::{DriveConfig, Exchange, Inputs, Outputs};
 use motion::{PulseSink, Record};
-use runtime::servo::{Current, Desk, Link, Loops, Port, ServoData, StageData};
+use runtime::servo::{Current, Link, Loops, Port, ServoData, ServoObjects, StageData};
 use runtime::PowerStage;
 
 use super::dictionary::Dictionary;
@@ -72,7 +72,7 @@ impl PowerStage for AnyServo {
 pub fn loops(config: DriveConfig) -> Result<(), Implausible> {
     let magnet = (any() == 0).then(angle);
     let mut current = Current::new(Loops::new(&data()?, any() as u16, magnet)?, &LINK, any());
-    let mut desk = Desk::default();
+    let mut servo_objects = ServoObjects::default();
     let mut dictionary = Dictionary::new();
     let mut stage = AnyServo(Port::new(&LINK, any(), any() as u16));
     let mut exchange = Exchange::new();
@@ -105,9 +105,9 @@ pub fn loops(config: DriveConfig) -> Result<(), Implausible> {
                 values.into_iter().for_each(|value| look(value.into()));
             }
             1 => {
-                let (settings, request) = desk.read(&dictionary);
+                let (settings, request) = servo_objects.read(&dictionary);
                 LINK.wish(settings, request);
-                desk.show(&mut dictionary, &LINK.found());
+                servo_objects.show(&mut dictionary, &LINK.found());
             }
             2 => {
                 LINK.measured(thermistor::tenths(any() as u16), any() == 0);

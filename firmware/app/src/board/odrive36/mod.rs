@@ -107,7 +107,7 @@ impl Board for Odrive36 {
     type Axis = ServoAxis<SharedEmitter>;
     type Pulses = pulses::Orders;
     type Steps = lines::EncoderEdges;
-    type Desk = pulses::LinkedDesk;
+    type ServoObjects = pulses::LinkedServoObjects;
     type Receiver = can::Receiver;
     type Bus = can::Controller;
     type Stage = stage::ServoStage;
@@ -240,9 +240,9 @@ impl Board for Odrive36 {
         Parts {
             pulses: pulses::Orders(Port::new(&LINK, chip::ticks(), timer)),
             steps: lines::EncoderEdges,
-            desk: pulses::LinkedDesk {
+            servo_objects: pulses::LinkedServoObjects {
                 link: &LINK,
-                desk: servo::Desk::default(),
+                objects: servo::ServoObjects::default(),
             },
             receiver: can::Receiver,
             bus: can::Controller::new(device.CAN1, can_pins, &mut rcc),

@@ -1,11 +1,11 @@
-//! The port of the servo axis, in place of pulses; and the desk of the dictionary.
+//! The port of the servo axis, in place of pulses; and the objects of the servo in the dictionary.
 
 use canopen::od;
 use cia402::{ServoOrder, ServoPort, ServoReport};
 use motion::{PulseSink, Record, Ticks};
 use runtime::servo::{self, Link, Port};
 
-use crate::board::{chip, Desk, Pulses};
+use crate::board::{chip, Pulses, ServoObjects};
 
 /// Records that are nothing but time, and orders.
 pub struct Orders(pub Port);
@@ -61,17 +61,17 @@ impl Pulses for Orders {
     }
 }
 
-/// The desk at its end of the link.
-pub struct LinkedDesk {
+/// The objects of the servo at their end of the link.
+pub struct LinkedServoObjects {
     pub link: &'static Link,
-    pub desk: servo::Desk,
+    pub objects: servo::ServoObjects,
 }
 
-impl Desk for LinkedDesk {
+impl ServoObjects for LinkedServoObjects {
     fn attend<D: od::Dictionary>(&mut self, dictionary: &mut D) {
-        let (settings, request) = self.desk.read(dictionary);
+        let (settings, request) = self.objects.read(dictionary);
         self.link.wish(settings, request);
-        self.desk.show(dictionary, &self.link.found());
-        servo::Desk::show_lead(dictionary, self.link.lead());
+        self.objects.show(dictionary, &self.link.found());
+        servo::ServoObjects::show_lead(dictionary, self.link.lead());
     }
 }

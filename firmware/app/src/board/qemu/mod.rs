@@ -27,7 +27,7 @@ use cia402::StepAxis;
 use motion::step_interrupt;
 use runtime::Lights;
 
-use super::{user_memory, Board, NoDesk, Parts, Stage};
+use super::{user_memory, Board, NoServoObjects, Parts, Stage};
 use crate::control::{RATE_HZ, TIMING};
 use crate::stepping::SharedEmitter;
 
@@ -60,7 +60,7 @@ impl Board for Qemu {
     type Axis = StepAxis<SharedEmitter>;
     type Pulses = pulses::InterruptPulses;
     type Steps = pulses::StepPlayer;
-    type Desk = NoDesk;
+    type ServoObjects = NoServoObjects;
     type Receiver = serial::Receiver;
     type Bus = serial::SerialBus;
     type Stage = IdealStage;
@@ -83,7 +83,7 @@ impl Board for Qemu {
                 player,
                 axis: inputs::Axis::open(),
             },
-            desk: NoDesk,
+            servo_objects: NoServoObjects,
             receiver: serial::Receiver::new(),
             bus: serial::SerialBus::new(device.USART2),
             stage: IdealStage,

@@ -36,7 +36,7 @@ use stm32f4xx_hal::rcc::{Enable, Reset};
 
 use super::chip::watchdog::Watchdog;
 use super::chip::{self, can, clocks, flash, CORE_HZ, TIMERS_HZ};
-use super::{user_memory, Board, NoDesk, Parts};
+use super::{user_memory, Board, NoServoObjects, Parts};
 use crate::control::RATE_HZ;
 use crate::stepping::SharedEmitter;
 pub use stage::{cut, has_power};
@@ -67,7 +67,7 @@ impl Board for Stm32f405 {
     type Axis = StepAxis<SharedEmitter>;
     type Pulses = pulse_timer::TimerPulses;
     type Steps = pulse_timer::Interrupts;
-    type Desk = NoDesk;
+    type ServoObjects = NoServoObjects;
     type Receiver = can::Receiver;
     type Bus = can::Controller;
     type Stage = stage::StepStage;
@@ -190,7 +190,7 @@ impl Board for Stm32f405 {
         Parts {
             pulses,
             steps,
-            desk: NoDesk,
+            servo_objects: NoServoObjects,
             receiver: can::Receiver,
             bus: can::Controller::new(device.CAN1, can_pins, &mut rcc),
             stage,

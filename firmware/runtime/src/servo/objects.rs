@@ -6,12 +6,12 @@ use super::{Found, Request, ServoSettings, StepperSettings};
 
 /// What was seen and shown last.
 #[derive(Debug, Default)]
-pub struct Desk {
+pub struct ServoObjects {
     command: u8,
     found: Option<Found>,
 }
 
-impl Desk {
+impl ServoObjects {
     /// What masters have set, and what they ask for if that is new.
     pub fn read<D: Dictionary>(&mut self, dictionary: &D) -> (ServoSettings, Option<Request>) {
         let byte = |index, sub| od::read_u8(dictionary, index, sub).unwrap_or(0);

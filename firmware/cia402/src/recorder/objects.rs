@@ -18,7 +18,7 @@ mod order {
 
 /// The node's half of the scope.
 #[derive(Debug, Default)]
-pub(crate) struct Desk {
+pub(crate) struct ScopeObjects {
     /// What the objects show.
     status: Status,
     /// They do not yet.
@@ -26,7 +26,7 @@ pub(crate) struct Desk {
     orders: Orders,
 }
 
-impl Desk {
+impl ScopeObjects {
     /// Whether an object may be written.
     pub(crate) fn check<D: Dictionary>(
         &self,
