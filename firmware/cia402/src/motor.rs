@@ -8,7 +8,7 @@ use core::ops::{Deref, DerefMut};
 
 use motion::{FollowError, Limits, Position, Ramps, SignedSpeed, Speed, low};
 
-use crate::actuator::{Actuator, AtPort, Refused, near};
+use crate::actuator::{Actuator, AtPort, Refused, unwrapped};
 use crate::cyclic::MicrosQ16;
 use crate::inputs::{Barred, Count};
 
@@ -122,7 +122,7 @@ impl<A: Actuator> Motor<A> {
         } else {
             count
         };
-        near(
+        unwrapped(
             count.wrapping_add(self.shift),
             self.actuator.committed_position(),
         )

@@ -242,10 +242,10 @@ pub trait AtPort<P>: Actuator {
     fn refill(&mut self, port: &mut P);
 }
 
-/// The position that is the same modulo 2³² and next to another.
-pub(crate) const fn near(position: i64, to: i64) -> i64 {
-    let away = low::i32(position).wrapping_sub(low::i32(to));
-    to.wrapping_add(away as i64)
+/// A position that is counted modulo 2³², unwrapped: the same one, next to another.
+pub(crate) const fn unwrapped(position: i64, beside: i64) -> i64 {
+    let away = low::i32(position).wrapping_sub(low::i32(beside));
+    beside.wrapping_add(away as i64)
 }
 
 #[cfg(test)]

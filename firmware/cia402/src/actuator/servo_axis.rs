@@ -16,7 +16,7 @@ use motion::{
 
 use super::{
     Actuator, AtPort, Emitter, EmitterLock, NotSupported, PathEnd, Refused, StepAxis, Torque,
-    TorqueLimits, Trouble, near,
+    TorqueLimits, Trouble, unwrapped,
 };
 use crate::board::DriveConfig;
 use crate::configuration::Configuration;
@@ -200,7 +200,7 @@ impl<L: EmitterLock> ServoAxis<L> {
             let position = position.wrapping_add(1 << 31);
             let counts = (position >> 32).wrapping_add(shift);
             ServoGoal::Position {
-                counts: near(counts, port.report().counts),
+                counts: unwrapped(counts, port.report().counts),
                 part: low::u32(position.cast_unsigned()),
                 velocity: self.turned(reference.velocity),
                 acceleration,
@@ -285,7 +285,7 @@ impl<L: EmitterLock, P: ServoPort> AtPort<P> for ServoAxis<L> {
         };
         let before = self.committed_position();
         self.rotor = Demand {
-            position: near(counts.wrapping_add(self.shift), before),
+            position: unwrapped(counts.wrapping_add(self.shift), before),
             velocity: self.turned(report.velocity),
         };
         self.torque = Torque {

@@ -10,7 +10,7 @@ use motion::{
     PulseSink, Ramps, Reference, SignedSpeed, Speed, Ticks, Velocity,
 };
 
-use super::{Actuator, AtPort, NotSupported, PathEnd, Refused, TORQUE_MODES, Trouble, near};
+use super::{Actuator, AtPort, NotSupported, PathEnd, Refused, TORQUE_MODES, Trouble, unwrapped};
 use crate::board::{DriveConfig, outlast_tick};
 use crate::configuration::Configuration;
 use crate::cyclic::{MicrosQ16, POINT, Timescale};
@@ -98,7 +98,7 @@ impl<L: EmitterLock> StepAxis<L> {
     /// The same position in the count that goes on.
     fn counted(&self, demand: Demand) -> Demand {
         Demand {
-            position: near(demand.position, self.committed),
+            position: unwrapped(demand.position, self.committed),
             ..demand
         }
     }
@@ -153,7 +153,7 @@ impl<L: EmitterLock> StepAxis<L> {
     ) -> Result<bool, PlanError> {
         let committed = self.committed;
         let mut draft = self.emitter.look(|emitter| emitter.axis.draft(ramps));
-        let shift = |here: i64| here.wrapping_sub(near(here, committed));
+        let shift = |here: i64| here.wrapping_sub(unwrapped(here, committed));
         let seen = target.saturating_add(shift(draft.committed_position()));
         let mut plan = Plan::at_rest(0, 0);
         draft.plan_from_start_speed(&mut plan, (seen, speed), limits)?;
@@ -184,7 +184,7 @@ impl<L: EmitterLock> StepAxis<L> {
 
 /// A goal as the axis counts, which stands at `here` where the drive counts `committed`.
 fn seen_from(goal: Goal, here: i64, committed: i64) -> Goal {
-    goal.shifted(here.wrapping_sub(near(here, committed)))
+    goal.shifted(here.wrapping_sub(unwrapped(here, committed)))
 }
 
 impl<L: EmitterLock, S: PulseSink> AtPort<S> for StepAxis<L> {
@@ -204,7 +204,7 @@ impl<L: EmitterLock, S: PulseSink> AtPort<S> for StepAxis<L> {
         self.path_begin.set(Ticks::MAX);
         let (pending, played, demand) = self.emitter.look(|emitter| {
             let (pending, axis) = (pulses.pending(), &emitter.axis);
-            self.committed = near(axis.committed_position(), self.committed);
+            self.committed = unwrapped(axis.committed_position(), self.committed);
             self.at_rest = axis.is_at_rest();
             (pending, axis.played(pending), axis.demand(pending))
         });
@@ -229,7 +229,7 @@ impl<L: EmitterLock, S: PulseSink> AtPort<S> for StepAxis<L> {
         self.emitter.lock(|emitter| {
             emitter.is_reversed = is_reversed;
             emitter.refill(pulses);
-            self.committed = near(emitter.axis.committed_position(), self.committed);
+            self.committed = unwrapped(emitter.axis.committed_position(), self.committed);
             self.at_rest = emitter.axis.is_at_rest();
         });
     }
@@ -273,7 +273,7 @@ impl<L: EmitterLock> Actuator for StepAxis<L> {
 
     fn destination(&self) -> i64 {
         let target = self.emitter.look(|emitter| emitter.axis.target());
-        near(target, self.committed)
+        unwrapped(target, self.committed)
     }
 
     fn heading(&self) -> Option<Direction> {
@@ -339,7 +339,7 @@ impl<L: EmitterLock> Actuator for StepAxis<L> {
     fn stop_preview(&self, deceleration: u32, ramps: Ramps, leaves: bool) -> i64 {
         let mut draft = self.emitter.look(|emitter| emitter.axis.draft(ramps));
         let rest = draft.stop_preview(deceleration, leaves);
-        rest.map_or(self.committed, |rest| near(rest, self.committed))
+        rest.map_or(self.committed, |rest| unwrapped(rest, self.committed))
     }
 
     fn cut_off(&mut self) {

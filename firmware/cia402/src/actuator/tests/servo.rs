@@ -2,7 +2,9 @@
 
 use motion::{Demand, Direction, FollowError, Limits, Position, Ramps, SignedSpeed, Speed};
 
-use crate::actuator::{Actuator, AtPort, NotSupported, PathEnd, Refused, Torque, Trouble, near};
+use crate::actuator::{
+    Actuator, AtPort, NotSupported, PathEnd, Refused, Torque, Trouble, unwrapped,
+};
 use crate::configuration::Configuration;
 use crate::cyclic::{MicrosQ16, POINT, span};
 
@@ -189,7 +191,7 @@ impl Actuator for Servo {
     }
 
     fn follow(&mut self, end: MicrosQ16, to: Position, _: Option<(Position, MicrosQ16)>) -> Result<(), FollowError> {
-        self.path.push((end, near(to.whole_steps(), self.last().1)));
+        self.path.push((end, unwrapped(to.whole_steps(), self.last().1)));
         self.goal = Goal::Path;
         Ok(())
     }
