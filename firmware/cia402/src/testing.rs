@@ -33,14 +33,14 @@ pub(crate) struct Player {
     /// Steps that have left.
     pub(crate) position: i64,
     /// The most records it takes.
-    room: usize,
+    capacity: usize,
 }
 
 impl Player {
     /// A motor at 0 that takes so many records at a time.
-    pub(crate) fn with_room(room: usize) -> Self {
+    pub(crate) fn with_capacity(capacity: usize) -> Self {
         Self {
-            room,
+            capacity,
             ..Self::default()
         }
     }
@@ -86,7 +86,7 @@ impl PulseSink for Player {
     }
 
     fn free(&self) -> usize {
-        self.room.saturating_sub(self.records.len())
+        self.capacity.saturating_sub(self.records.len())
     }
 }
 
@@ -136,7 +136,7 @@ impl Rig {
                 refills: 1,
             }),
             exchange: Exchange::new(),
-            motor: Player::with_room(256),
+            motor: Player::with_capacity(256),
             commands: Commands {
                 remote: true,
                 mode: 1,

@@ -45,7 +45,7 @@ fn refilled_axis(refills: u32) -> StepAxis {
 #[test]
 fn a_set_point_that_a_refill_has_overtaken_is_too_late() {
     for refills in [0, 1] {
-        let (mut axis, mut pulses) = (step_axis(), Player::with_room(256));
+        let (mut axis, mut pulses) = (step_axis(), Player::with_capacity(256));
         let micros = |time: u64| micros_q16(Instant::from_ticks(time));
         axis.observe(micros(0), &pulses);
         axis.follow_velocity(micros(3_000), 1_000.into()).unwrap();
@@ -75,7 +75,7 @@ fn a_set_point_that_a_refill_has_overtaken_is_too_late() {
 #[test]
 fn a_tick_commits_what_no_refill_does_in_time() {
     for refills in [1, 4] {
-        let (mut axis, mut pulses) = (refilled_axis(refills), Player::with_room(256));
+        let (mut axis, mut pulses) = (refilled_axis(refills), Player::with_capacity(256));
         let limits = Limits {
             velocity: 10_000.into(),
             acceleration: 100_000,

@@ -86,11 +86,11 @@ pub(super) fn held_between(
         }
     };
     // The motor may be on its way to the next step.
-    let room = beyond(motor.committed_position()).saturating_add(1);
-    let room = room.min(0).unsigned_abs();
+    let available = beyond(motor.committed_position()).saturating_add(1);
+    let available = available.min(0).unsigned_abs();
     let speed = velocity.unsigned_abs();
     let accelerations = (0, asked.deceleration);
-    if asked.ramps == Ramps::Linear && distance(speed, accelerations, asked.ramps) < room {
+    if asked.ramps == Ramps::Linear && distance(speed, accelerations, asked.ramps) < available {
         return as_asked;
     }
     // sin² braking for a target is finished as it was begun; for another one it is left.
@@ -104,7 +104,9 @@ pub(super) fn held_between(
     }
     let hardest = hardest.max(motor.hardest()).max(asked.deceleration);
     let ramp = Ramp {
-        deceleration: needed(speed, room).max(asked.deceleration).min(hardest),
+        deceleration: needed(speed, available)
+            .max(asked.deceleration)
+            .min(hardest),
         ramps: Ramps::Linear,
     };
     Held {

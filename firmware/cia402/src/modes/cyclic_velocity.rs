@@ -254,19 +254,19 @@ fn before_limit(
     context: &Context<'_, impl Parts>,
 ) -> SignedSpeed {
     let (low, high) = context.travel.increments;
-    let room = match velocity.bits() {
+    let available = match velocity.bits() {
         1.. => high.saturating_sub(position),
         ..=-1 => position.saturating_sub(low),
         0 => return velocity,
     };
-    if room > 1 << 46 {
+    if available > 1 << 46 {
         return velocity;
     }
     let seconds = seconds(interval);
     let deceleration = context.deceleration(StopRamp::QuickStop);
     // Positions are whole ones here: what a velocity is too high, the next can make up for.
     let down = gain(deceleration.saturating_sub(deceleration / 32), seconds);
-    let distance = braking_distance(room.max(0) << 16, down).unsigned_abs();
+    let distance = braking_distance(available.max(0) << 16, down).unsigned_abs();
     velocity.within(rate(distance, seconds))
 }
 

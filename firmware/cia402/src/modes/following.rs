@@ -404,20 +404,20 @@ impl Following {
     /// The distance that still lets the motor stop at a software limit.
     fn before_limit(&self, distance: i64, seconds: u64, context: &Context<'_, impl Parts>) -> i64 {
         let (low, high) = context.travel.increments;
-        let room = match distance {
+        let available = match distance {
             1.. => distance_q16(high).saturating_sub(self.at),
             ..=-1 => self.at.saturating_sub(distance_q16(low)),
             0 => return 0,
         };
         // Far enough away that there is no need to look closely.
-        if room == i64::MAX {
+        if available == i64::MAX {
             return distance;
         }
         let down = gain(context.deceleration(StopRamp::QuickStop), seconds);
-        if may_brake_behind(distance.unsigned_abs(), room, down) {
+        if may_brake_behind(distance.unsigned_abs(), available, down) {
             return distance;
         }
-        let most = braking_distance(room.max(0), down);
+        let most = braking_distance(available.max(0), down);
         distance.max(most.wrapping_neg()).min(most)
     }
 

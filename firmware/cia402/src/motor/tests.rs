@@ -24,7 +24,7 @@ fn what_is_followed_has_no_ramp_of_its_own() {
         refills: 1,
     };
     let mut motor = Motor::new(|| StepAxis::new(config, || Emitter::new(config)));
-    let mut pulses = Player::with_room(256);
+    let mut pulses = Player::with_capacity(256);
     let limits = Limits {
         velocity: 1_000.into(),
         acceleration: 1_600_000,

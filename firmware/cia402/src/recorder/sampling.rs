@@ -28,7 +28,7 @@ pub struct Recorder<M> {
     /// Counts recordings.
     run: u32,
     /// Samples there are to be in all.
-    room: u16,
+    capacity: u16,
     /// Words of the ring.
     span: u32,
     /// The word where the next sample begins.
@@ -76,7 +76,7 @@ impl<M: Deref<Target = Memory>> Recorder<M> {
             state: State::Idle,
             setup: Setup::NONE,
             run: 0,
-            room: 0,
+            capacity: 0,
             span: 0,
             next: 0,
             recorded: 0,
@@ -181,16 +181,16 @@ impl<M: Deref<Target = Memory>> Recorder<M> {
         for signal in self.setup.signals() {
             let (bits, length) = (bits(signal, tick), signal.length());
             word |= bits << filled;
-            let room = 32 - filled;
-            if length < room {
+            let free = 32 - filled;
+            if length < free {
                 filled += length;
                 continue;
             }
             self.memory.put(place, word);
             place = place.wrapping_add(1);
-            filled = length - room;
+            filled = length - free;
             // Of a value that ended with the word nothing is left.
-            word = bits.checked_shr(room).unwrap_or(0);
+            word = bits.checked_shr(free).unwrap_or(0);
         }
         if filled > 0 {
             self.memory.put(place, word);
@@ -208,7 +208,7 @@ impl<M: Deref<Target = Memory>> Recorder<M> {
         self.found.is_behind = true;
         self.recorded = self.recorded.saturating_add(1);
         // Fewer are older where the trigger came early; as many as asked for are younger.
-        let younger = self.room.saturating_sub(self.setup.before);
+        let younger = self.capacity.saturating_sub(self.setup.before);
         let count = self.found.before.saturating_add(younger);
         if self.recorded >= count {
             self.conclude();
@@ -268,7 +268,7 @@ impl<M: Deref<Target = Memory>> Recorder<M> {
         self.memory.clear();
         self.run = self.run.wrapping_add(1).max(1);
         self.state = State::Armed;
-        self.room = self.setup.room(words);
+        self.capacity = self.setup.capacity(words);
         self.span = self.setup.span(words);
         self.next = 0;
         self.recorded = 0;

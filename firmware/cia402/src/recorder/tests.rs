@@ -127,9 +127,9 @@ fn expected(setup: &Setup, bench: &Bench<'_>) -> Option<Read> {
     let divider = usize::from(setup.divider);
     let sampled: Vec<usize> = (0..bench.shown.len()).step_by(divider).collect();
     let first_behind = trigger.div_ceil(divider);
-    let room = usize::from(setup.room(WORDS as u32));
+    let capacity = usize::from(setup.capacity(WORDS as u32));
     let before = usize::from(setup.before).min(first_behind);
-    let end = first_behind + room - usize::from(setup.before);
+    let end = first_behind + capacity - usize::from(setup.before);
     let taken = sampled.get(first_behind - before..end)?;
     Some(Read {
         before,
@@ -332,6 +332,6 @@ fn what_does_not_fit_is_refused() {
         before: 63,
         ..POSITION
     };
-    assert_eq!((all.check(64), all.room(64)), (Ok(()), 64));
+    assert_eq!((all.check(64), all.capacity(64)), (Ok(()), 64));
     assert_eq!(all.check(0), Err(AbortCode::OutOfMemory));
 }

@@ -74,7 +74,7 @@ impl Setup {
     }
 
     /// How many samples a memory of so many words gets to hold: as many as are asked for, or as many as fit.
-    pub(crate) fn room(&self, words: u32) -> u16 {
+    pub(crate) fn capacity(&self, words: u32) -> u16 {
         let fits = words.checked_div(self.stride()).unwrap_or(0);
         let fits = u16::try_from(fits).unwrap_or(u16::MAX);
         match self.samples {
@@ -85,7 +85,7 @@ impl Setup {
 
     /// The words of the ring.
     pub(crate) fn span(&self, words: u32) -> u32 {
-        u32::from(self.room(words)).saturating_mul(self.stride())
+        u32::from(self.capacity(words)).saturating_mul(self.stride())
     }
 
     /// Whether a memory of so many words can take it.
@@ -97,11 +97,11 @@ impl Setup {
         if self.stride() == 0 {
             return Err(AbortCode::DeviceState);
         }
-        let room = self.room(words);
-        if room == 0 || room < self.samples {
+        let capacity = self.capacity(words);
+        if capacity == 0 || capacity < self.samples {
             return Err(AbortCode::OutOfMemory);
         }
-        if self.before >= room {
+        if self.before >= capacity {
             return Err(AbortCode::ParameterIncompatible);
         }
         Ok(())

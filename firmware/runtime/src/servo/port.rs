@@ -8,7 +8,7 @@ use motion::{PulseSink, Record, Ticks};
 use super::link::Link;
 
 /// Records that are taken at once. None is kept: they are nothing but time.
-const ROOM: usize = 64;
+const CAPACITY: usize = 64;
 
 /// See the module.
 #[derive(Debug)]
@@ -68,7 +68,7 @@ impl PulseSink for Port {
     }
 
     fn free(&self) -> usize {
-        ROOM
+        CAPACITY
     }
 }
 

@@ -70,14 +70,14 @@ mod tests {
     /// Takes as many as it has room for, and knows how often it was asked.
     #[derive(Debug, Default)]
     struct Sink {
-        room: usize,
+        capacity: usize,
         taken: Vec<Record>,
         asked: usize,
     }
 
     impl PulseSink for Sink {
         fn push(&mut self, record: Record) -> Result<(), Record> {
-            if self.taken.len() == self.room {
+            if self.taken.len() == self.capacity {
                 return Err(record);
             }
             self.taken.push(record);
@@ -86,7 +86,7 @@ mod tests {
 
         fn push_all(&mut self, records: &[Record]) -> usize {
             self.asked += 1;
-            let number = records.len().min(self.room - self.taken.len());
+            let number = records.len().min(self.capacity - self.taken.len());
             self.taken.extend_from_slice(&records[..number]);
             number
         }
@@ -96,7 +96,7 @@ mod tests {
         }
 
         fn free(&self) -> usize {
-            self.room - self.taken.len()
+            self.capacity - self.taken.len()
         }
     }
 
@@ -114,16 +114,16 @@ mod tests {
         };
         let records: Vec<_> = (0..10).map(record).collect();
         for is_reversed in [false, true] {
-            for room in 0..12 {
+            for capacity in 0..12 {
                 let mut sink = Sink {
-                    room,
+                    capacity,
                     ..Sink::default()
                 };
                 let mut directed = Directed {
                     pulses: &mut sink,
                     is_reversed,
                 };
-                assert_eq!(directed.push_all(&records), room.min(10));
+                assert_eq!(directed.push_all(&records), capacity.min(10));
                 assert!(sink.asked <= 3);
                 for (taken, record) in sink.taken.iter().zip(&records) {
                     let direction = if is_reversed {

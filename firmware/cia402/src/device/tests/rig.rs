@@ -51,7 +51,7 @@ impl Station {
                 refills: 1,
             }),
             exchange: Exchange::new(),
-            motor: Player::with_room(256),
+            motor: Player::with_capacity(256),
             fault: None,
             power: false,
             now: Instant::from_ticks(0),

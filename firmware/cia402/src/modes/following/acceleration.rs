@@ -123,9 +123,9 @@ impl SetPoints {
 /// Whether the distance of 2ⁿ periods may become another, in increments.
 fn may_change(before: i32, distance: i32, doublings: u32, most: Most) -> bool {
     // More than distances of 32 bits differ by; so nothing here is too large for its number.
-    const ROOM: i64 = 1 << 50;
+    const LARGEST: i64 = 1 << 50;
     let change = i64::from(distance.abs_diff(before)) << super::POINT;
-    let rounding = most.rounding.min(ROOM);
+    let rounding = most.rounding.min(LARGEST);
     // So it is in a steady motion.
     if change <= rounding {
         return true;
@@ -138,7 +138,7 @@ fn may_change(before: i32, distance: i32, doublings: u32, most: Most) -> bool {
     } else {
         most.down
     };
-    let squares = gain.min(ROOM).wrapping_shl(2 * doublings);
+    let squares = gain.min(LARGEST).wrapping_shl(2 * doublings);
     change <= squares.wrapping_add(rounding)
 }
 

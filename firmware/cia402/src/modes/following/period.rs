@@ -1,4 +1,4 @@
-//! Positions, and distances in a period of set-points: what a velocity, an acceleration and a room to stop in are in one.
+//! Positions, and distances in a period of set-points: what a velocity, an acceleration and a distance to stop within are in one.
 //!
 //! Positions have 16 bits behind the point, times are Q16 microseconds, or seconds in Q32.
 
@@ -77,18 +77,18 @@ pub(super) fn scaled(number: u64, by: u64) -> u64 {
         .wrapping_add(low.wrapping_mul(by) >> 32)
 }
 
-/// Whether the motor can still stop within `room` after a distance in a period, for certain: s² ≤ 2g·(room − s). False where it cannot,
+/// Whether the motor can still stop within `available` after a distance in a period, for certain: s² ≤ 2g·(available − s). False where it cannot,
 /// and for distances so long that it is not looked at.
-pub(super) fn may_brake_behind(distance: u64, room: i64, gain: i64) -> bool {
-    let (room, gain) = (room.max(0).unsigned_abs(), gain.max(1).unsigned_abs());
+pub(super) fn may_brake_behind(distance: u64, available: i64, gain: i64) -> bool {
+    let (available, gain) = (available.max(0).unsigned_abs(), gain.max(1).unsigned_abs());
     let is_short = u32::try_from(distance).is_ok();
     is_short
-        && room.checked_sub(distance).is_some_and(|behind| {
+        && available.checked_sub(distance).is_some_and(|behind| {
             distance.wrapping_mul(distance) <= gain.saturating_mul(2).saturating_mul(behind)
         })
 }
 
-/// Increments with their bits behind the point. What has no room is the end of the numbers.
+/// Increments with their bits behind the point. What does not fit is the end of the numbers.
 pub(super) const fn distance_q16(increments: i64) -> i64 {
     let distance = increments.wrapping_shl(POINT);
     if distance >> POINT == increments {
@@ -100,13 +100,13 @@ pub(super) const fn distance_q16(increments: i64) -> i64 {
     }
 }
 
-/// The longest distance in a period after which the motor can still stop within `room`, when the distance can be less by `gain` in each
-/// period: s + s²/2g ≤ room.
-pub(in crate::modes) fn braking_distance(room: i64, gain: i64) -> i64 {
-    let (room, gain) = (room.max(0).unsigned_abs(), gain.max(1).unsigned_abs());
+/// The longest distance in a period after which the motor can still stop within `available`, when the distance can be less by `gain` in each
+/// period: s + s²/2g ≤ available.
+pub(in crate::modes) fn braking_distance(available: i64, gain: i64) -> i64 {
+    let (available, gain) = (available.max(0).unsigned_abs(), gain.max(1).unsigned_abs());
     let squares = u128::from(gain)
         .wrapping_mul(gain.into())
-        .saturating_add(u128::from(gain).wrapping_mul(room.into()) << 1);
+        .saturating_add(u128::from(gain).wrapping_mul(available.into()) << 1);
     root(squares).saturating_sub(gain).cast_signed()
 }
 

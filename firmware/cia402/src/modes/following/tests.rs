@@ -48,33 +48,33 @@ proptest! {
         prop_assert_eq!(distance_q16(number.cast_signed()), number.cast_signed().saturating_mul(1 << POINT));
     }
 
-    /// Where there is plainly room no root is needed: the way is within it, and the root says so too where it is exact.
+    /// Where there is plainly enough no root is needed: the distance is within it, and the root says so too where it is exact.
     #[test]
     fn m44_room_that_is_plainly_enough_is_what_the_root_allows(
-        (distance, room, gain) in (any::<u64>(), 0_i64..i64::MAX, 1_i64..1 << 61),
+        (distance, available, gain) in (any::<u64>(), 0_i64..i64::MAX, 1_i64..1 << 61),
         (short, tight, gentle) in (0..64_u32, 0..63_u32, 0..61_u32),
     ) {
-        let (distance, room, gain) = (distance >> short, room >> tight, (gain >> gentle).max(1));
-        let is_enough = may_brake_behind(distance, room, gain);
-        let (s, r, g) = (u128::from(distance), room as u128, gain as u128);
+        let (distance, available, gain) = (distance >> short, available >> tight, (gain >> gentle).max(1));
+        let is_enough = may_brake_behind(distance, available, gain);
+        let (s, r, g) = (u128::from(distance), available as u128, gain as u128);
         let fits = s <= r && s.checked_mul(s).is_some_and(|square| {
             square <= 2 * g * (r - s)
         });
         prop_assert_eq!(is_enough, fits && distance <= u64::from(u32::MAX));
         if g * g + 2 * g * r < 1 << 64 {
-            let allowed = s <= u128::from(braking_distance(room, gain).unsigned_abs());
+            let allowed = s <= u128::from(braking_distance(available, gain).unsigned_abs());
             prop_assert_eq!(is_enough, allowed);
         }
     }
 
-    /// A motor that begins with the longest distance allowed, and takes the longest in each period, ends within the room.
+    /// A motor that begins with the longest distance allowed, and takes the longest in each period, ends within what is available.
     #[test]
     fn m44_braking_never_needs_more_room_than_there_is(
-        room in 0_i64..1 << 40,
+        available in 0_i64..1 << 40,
         gain in 1_i64..1 << 30,
         begin in 0_i64..1 << 36,
     ) {
-        let mut left = room;
+        let mut left = available;
         let mut distance = begin;
         for _ in 0..200 {
             let most = braking_distance(left, gain);

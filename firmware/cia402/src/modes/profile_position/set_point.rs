@@ -129,11 +129,11 @@ impl SetPoint {
         }
         let (low, high) = travel.increments;
         let limit = if direction < 0 { low } else { high };
-        let room = limit.saturating_sub(self.target).unsigned_abs();
+        let available = limit.saturating_sub(self.target).unsigned_abs();
         let end = if direction == 0 {
             Speed::ZERO
         } else {
-            braking::stoppable(self.accelerations(), self.ramps, window, room)
+            braking::stoppable(self.accelerations(), self.ramps, window, available)
         };
         self.limited.profile |= end < self.end_velocity;
         self.end_velocity = self.end_velocity.min(end);
@@ -146,9 +146,9 @@ impl SetPoint {
 
     /// Raises the velocity at the target to that with which the motor can still stop at `next`, so many steps behind it. It does so with
     /// the window of this one, if that is a mean: of so many microseconds, unless it is still to be chosen.
-    pub(super) fn blend(&mut self, next: &Self, room: u64, window: u64) {
+    pub(super) fn blend(&mut self, next: &Self, available: u64, window: u64) {
         let window = window.max(braking::window(self.accelerations(), self.ramps));
-        let end = braking::stoppable(next.accelerations(), next.ramps, window, room);
+        let end = braking::stoppable(next.accelerations(), next.ramps, window, available);
         self.end_velocity = self.end_velocity.max(end.min(self.limits.velocity));
     }
 
