@@ -44,6 +44,8 @@ pub struct Inputs {
     pub temperature: Option<i16>,
     /// The analogue input as its converter of 12 bits reads it, 0 ..= 4095; `None` if there is none.
     pub analogue: Option<u16>,
+    /// The second counter, an external encoder; it goes on behind the end of its bits. 0 where the board has none.
+    pub counter: i32,
 }
 
 /// What the board must do, set at the end of a tick.

@@ -371,6 +371,7 @@ mod tests {
         supply_voltage: None,
         temperature: None,
         analogue: None,
+        counter: 0,
     };
 
     const SUPPLIED: PowerStage = PowerStage {

@@ -37,6 +37,7 @@ pub mod device;
 pub mod drive;
 pub mod exchange;
 pub mod faults;
+pub mod gearing;
 pub mod indicator;
 pub mod inputs;
 pub mod mode;

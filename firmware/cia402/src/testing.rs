@@ -249,6 +249,7 @@ impl Rig {
             supply_voltage: self.supply_voltage,
             temperature: self.temperature,
             analogue: self.analogue,
+            counter: 0,
         }
     }
 

@@ -42,6 +42,7 @@ impl PowerStage for Plant {
             supply_voltage: Some(self.supply_voltage),
             temperature: Some(self.temperature),
             analogue: Some(self.analogue),
+            counter: self.second.count(self.now()),
         };
         self.now()
     }

@@ -9,6 +9,7 @@ mod axis_file;
 mod brake;
 mod chance;
 mod contact;
+mod counter;
 mod follow;
 mod motor;
 mod pulses;
@@ -18,6 +19,7 @@ mod track;
 
 pub use axis_file::Axis;
 pub use contact::{Sensed, Switch};
+pub use counter::SecondCounter;
 pub use motor::{Heat, Load, MotorData, SupplyChange, SupplyData};
 pub use pulses::{PulsePlayer, Pulses};
 pub use servo::{AXES, ServoAxisData, ServoMotor};
@@ -69,6 +71,8 @@ pub struct Plant {
     pub temperature: i16,
     /// What the converter of 12 bits at the analogue input reads.
     pub analogue: u16,
+    /// What turns the second counter.
+    pub second: SecondCounter,
     /// A fault the power stage reports, as a CiA 402 error code (2310h: over-current ...).
     pub fault: Option<u16>,
     /// What the power stage warns of, as a CiA 402 error code (4210h: temperature ...).
@@ -100,6 +104,7 @@ impl Plant {
             supply_voltage: 24_000,
             temperature: 250,
             analogue: 0,
+            second: SecondCounter::default(),
             fault: None,
             warning: None,
             encoder: false,

@@ -88,6 +88,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
                 self.motor.torque().unwrap_or(Torque::NONE)
             },
             digital_inputs: self.switches.word(),
+            counter: inputs.counter,
             referenced: self.motor.is_referenced(),
             homing_failure: self.modes.homing_failure(),
             sync,
