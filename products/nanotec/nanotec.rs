@@ -1,5 +1,7 @@
-//! What the Nanotec does that is no data: the level of its home switch by the method, its detector of blocks, an abrupt quick stop in interpolated
-//! position, the swing-out time, and modes that wait for the brake.
+//! What the Nanotec does that is no data: where its home switch is and which level it has by the method, its detector of blocks and its current for
+//! them, an abrupt quick stop in interpolated position, the swing-out time, modes that wait for the brake, what outputs show, and inputs.
+
+mod inputs;
 
 use canopen::Instant;
 use canopen::cia301::sdo::AbortCode;
@@ -9,11 +11,14 @@ use cia402::commands::Commands;
 use cia402::units::Units;
 use cia402::{Objects, State};
 
+use inputs::{Debounce, Trigger};
+
 /// Objects of our own, which parameters of the drive are read from.
 const INVERTED: u16 = 0x5F00;
 const BLOCK_WINDOW: u16 = 0x5F01;
 const BLOCK_TIME: u16 = 0x5F02;
 const QUICK_STOP: u16 = 0x5F03;
+const RUN_CURRENT: u16 = 0x5F04;
 
 /// The home switch is input 6.
 const HOME_SWITCH: i64 = 1 << 5;
@@ -23,11 +28,17 @@ const BLOCK: (i64, i64) = (40, 50);
 
 const INTERPOLATED_POSITION: i64 = 7;
 
-/// The outputs that 60FEh:2 has bits for.
+/// The outputs that 60FEh:2 has bits for. Those with a bit of 1 show that the motor moves, that the target is reached, and an error.
 const OUTPUTS: i64 = 0x0007_0000;
+const FIRST_OUTPUT: u32 = 16;
+const SHOWN: [(u16, i64); 3] = [(0x5F05, 6), (0x5F06, 4), (0x5F07, 1)];
 
 /// 6041h.
 const REACHED: i64 = 1 << 10;
+const ATTAINED: u16 = 1 << 12;
+const HOMING_ERROR: u16 = 1 << 13;
+
+const HOMING: i8 = 6;
 
 /// The module.
 #[derive(Debug)]
@@ -45,6 +56,10 @@ pub struct Module {
     /// Bit 10 waits for the swing-out time.
     swings: bool,
     ticked: Instant,
+    debounce: Debounce,
+    trigger: Trigger,
+    /// The motor looks for a block.
+    seeks_block: bool,
 }
 
 impl Default for Module {
@@ -59,6 +74,9 @@ impl Default for Module {
             waits: false,
             swings: false,
             ticked: Instant::from_ticks(0),
+            debounce: Debounce::default(),
+            trigger: Trigger::default(),
+            seeks_block: false,
         }
     }
 }
@@ -66,7 +84,11 @@ impl Default for Module {
 impl Module {
     /// What hangs on the set-up.
     fn set_up<D: Dictionary>(&mut self, dictionary: &mut D) {
-        let opens = matches!(number(dictionary, 0x6098, 0), 19 | 21);
+        let opens = matches!(number(dictionary, 0x6098, 0), 19 | 21 | -4 | -6);
+        let current = match number(dictionary, 0x2004, 4) {
+            percent @ 1.. if self.seeks_block => percent,
+            _ => number(dictionary, 0x2004, 1),
+        };
         let window = match number(dictionary, 0x6065, 0) {
             0 | 0xFFFF_FFFF => BLOCK,
             window => (window, number(dictionary, 0x6066, 0).max(1)),
@@ -82,20 +104,27 @@ impl Module {
             (BLOCK_WINDOW, window.0),
             (BLOCK_TIME, window.1),
             (QUICK_STOP, ramp),
+            (RUN_CURRENT, current),
         ] {
             put_number(dictionary, index, 0, value);
+        }
+        let mut own = number(dictionary, 0x60FE, 2) >> FIRST_OUTPUT;
+        for (index, function) in SHOWN {
+            put_number(dictionary, index, 0, (own & 1) * function);
+            own >>= 1;
         }
         self.asks.configuration = true;
     }
 
     /// The drive has published what it does.
-    fn tick<D: Dictionary>(&mut self, dictionary: &D, view: &View<'_>) {
+    fn tick<D: Dictionary>(&mut self, dictionary: &mut D, view: &View<'_>) {
         let actuals = view.actuals;
         self.at = view.at;
         let was_enabled = self.is_enabled;
         let state = State::from_statusword(actuals.statusword);
         self.is_enabled = state == Some(State::OperationEnabled);
-        let release_time = u64::try_from(number(dictionary, 0x2007, 2)).unwrap_or(0) * 1_000;
+        let release_time = number(dictionary, 0x2007, 1) + number(dictionary, 0x2007, 2);
+        let release_time = u64::try_from(release_time).unwrap_or(0) * 1_000;
         if self.is_enabled && !was_enabled {
             self.enabled = view.at;
         }
@@ -115,6 +144,16 @@ impl Module {
         let time = u64::try_from(number(dictionary, 0x2004, 5)).unwrap_or(0) * 1_000;
         let swings = self.stands.is_none_or(|then| self.since(then) < time);
         self.swings = actuals.mode_display == 1 && self.is_enabled && swings;
+        let is_homing = actuals.mode_display == HOMING && self.is_enabled && {
+            let bits = actuals.statusword & (ATTAINED | HOMING_ERROR);
+            number(dictionary, 0x6040, 0) & 0x10 != 0 && bits == 0
+        };
+        let seeks_block = is_homing && matches!(number(dictionary, 0x6098, 0), -3 | -2);
+        if seeks_block != core::mem::replace(&mut self.seeks_block, seeks_block) {
+            self.set_up(dictionary);
+        }
+        let wires = u8::try_from(actuals.digital_inputs >> 16).unwrap_or(0);
+        self.debounce.look(dictionary, wires, view.at.ticks());
     }
 
     /// Microseconds since then.
@@ -147,8 +186,12 @@ impl Behaviour for Module {
     }
 
     fn written<D: Dictionary + Objects>(&mut self, dictionary: &mut D, entry: &Entry) {
-        if matches!(entry.index, 0x6060 | 0x6065 | 0x6066 | 0x6085 | 0x6098) {
-            self.set_up(dictionary);
+        match entry.index {
+            0x2004 | 0x6060 | 0x6065 | 0x6066 | 0x6085 | 0x6098 | 0x60FE => {
+                self.set_up(dictionary);
+            }
+            0x2010 => self.asks.commands = true,
+            _ => {}
         }
     }
 
@@ -157,6 +200,8 @@ impl Behaviour for Module {
             self.ticked = view.actuals.at;
             self.tick(dictionary, view);
         }
+        self.debounce.show(dictionary);
+        self.trigger.show(dictionary, view.serves_frame);
         if self.swings {
             let word = number(dictionary, 0x6041, 0);
             put_number(dictionary, 0x6041, 0, word & !REACHED);
@@ -169,9 +214,13 @@ impl Behaviour for Module {
         units: &Units,
         commands: &mut Commands,
     ) {
-        let _ = (dictionary, units);
+        let _ = units;
         if self.waits {
             commands.mode = self.mode;
+        }
+        if matches!(number(dictionary, 0x6098, 0), -7..=-4) && commands.mode == HOMING {
+            let bit = number(dictionary, 0x2010, 1).clamp(0, 63);
+            commands.home_switch = Some(number(dictionary, 0x2010, 2) >> bit & 1 != 0);
         }
     }
 

@@ -19,6 +19,7 @@ mod homing;
 mod lmd;
 mod motion;
 mod moves;
+mod nanotec;
 mod objects;
 mod pdos;
 mod periphery;

@@ -36,6 +36,8 @@ pub struct View<'a> {
     pub is_storing: bool,
     /// Which of [`Objects::TOLD_ERRORS`] stand, a bit for each.
     pub errors: u32,
+    /// A frame is to be served: it may read what the module shows. Else time passes, and transmit PDOs look for changes.
+    pub serves_frame: bool,
     /// When.
     pub at: Instant,
 }

@@ -1,7 +1,7 @@
 //! The holding brake: it is opened after the motor has current, and closed before the current goes.
 //!
 //! A brake takes its time. Transition 4 does not wait for it: the drive shows operation enabled at once, and its modes hold the
-//! motor until the brake is open (2040h:1). Where operation ends on a ramp, the motor keeps its current until the brake has
+//! motor until the brake is open (2040h:1). It is told to open so long after the current has come (2040h:3). Where operation ends on a ramp, the motor keeps its current until the brake has
 //! closed (2040h:2); the transition that takes the current away follows then. Where the current must go at once, the brake falls with
 //! it.
 
@@ -65,6 +65,8 @@ pub(crate) struct Brakes {
     pub(crate) fitted: Brake,
     /// When the field has caught the rotor: from then on the motor may move.
     pub(crate) caught: Instant,
+    /// From when on the brake may open, for the current has come so long before.
+    pub(crate) free: Instant,
 }
 
 impl Brakes {
@@ -74,6 +76,7 @@ impl Brakes {
             wanted: Brake::new(),
             fitted: Brake::new(),
             caught: Instant::from_ticks(0),
+            free: Instant::from_ticks(0),
         }
     }
 

@@ -70,6 +70,8 @@ pub struct Commands {
     pub passed_set_point: Option<SetPoint>,
     /// A fault that the module of the product has found; it stands as long as this says so.
     pub fault: Option<u16>,
+    /// The level of the home switch where it is no input of the drive: it takes the place of those that are for it.
+    pub home_switch: Option<bool>,
 }
 
 /// What a set-point of profile position is made from: the objects and bits as they were at the edge of bit 4.
@@ -122,6 +124,7 @@ impl Commands {
         outputs_written: false,
         passed_set_point: None,
         fault: None,
+        home_switch: None,
     };
 
     /// Puts what is only posted once on top of `earlier` commands that no tick has taken yet.
@@ -145,7 +148,7 @@ impl Commands {
     /// Takes over all of other ones, field by field.
     #[inline]
     pub(crate) fn assign(&mut self, from: &Self) {
-        copy_fields!(Self { controlword, rising, stop, shutdown_first, overwritten, remote, connection_error, restart, mode, vl_target_velocity, target_position, profile_velocity, end_velocity, positioning_option, profile_acceleration, profile_deceleration, target_velocity, #[cfg(feature = "torque")] velocity_offset, target_torque, torque_offset, touch_probe_function, touch_probes_off, digital_outputs, digital_outputs_mask, outputs_written, passed_set_point, fault }, from => self);
+        copy_fields!(Self { controlword, rising, stop, shutdown_first, overwritten, remote, connection_error, restart, mode, vl_target_velocity, target_position, profile_velocity, end_velocity, positioning_option, profile_acceleration, profile_deceleration, target_velocity, #[cfg(feature = "torque")] velocity_offset, target_torque, torque_offset, touch_probe_function, touch_probes_off, digital_outputs, digital_outputs_mask, outputs_written, passed_set_point, fault, home_switch }, from => self);
     }
 
     /// Whether these ask for a stop that those of before did not: halt, a command that leaves operation enabled, or the network may command the drive no

@@ -147,7 +147,7 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
         if self.phase == Phase::Off {
             return;
         }
-        let actuals = self.refresh(stamp, exchange);
+        let actuals = self.refresh(stamp, true, exchange);
         if self.phase == Phase::Running {
             self.node.hold_resets(actuals.is_driving());
         }
@@ -189,7 +189,7 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
                 }
             }
         }
-        let actuals = self.refresh(now, exchange);
+        let actuals = self.refresh(now, false, exchange);
         self.report_faults(now, exchange);
         self.keep_overrun(&actuals, now);
         let deadline = self.node.poll(now, &mut self.hooks);
@@ -263,7 +263,7 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
         self.node.boot(reset, now, &mut self.hooks);
         self.take_reset();
         exchange.lock(Exchange::tell_again);
-        self.refresh(now, exchange);
+        self.refresh(now, false, exchange);
         self.start_controller();
         self.start_commissioning();
         self.hooks.touch();
@@ -271,7 +271,12 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
     }
 
     /// Puts the actual values of a moment in the dictionary.
-    fn refresh<X: Share>(&mut self, stamp: Instant, exchange: &mut X) -> Actuals {
+    fn refresh<X: Share>(
+        &mut self,
+        stamp: Instant,
+        serves_frame: bool,
+        exchange: &mut X,
+    ) -> Actuals {
         let (actuals, has_news, scope) = exchange.lock(|exchange| {
             (
                 exchange.actuals_at(stamp),
@@ -297,6 +302,7 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
                 state: self.node.state(),
                 is_storing: self.node.is_storing(),
                 errors: facts.errors,
+                serves_frame,
                 at: stamp,
             };
             self.hooks.behaviour.look(self.node.dictionary_mut(), &view);

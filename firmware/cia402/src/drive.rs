@@ -382,19 +382,6 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         self.motor.refill(port);
     }
 
-    fn look_at_switches(&mut self, tick: &Tick<'_>) {
-        if tick.is_early {
-            self.switches.forget_edges();
-        } else {
-            self.switches.observe(
-                &tick.inputs.digital,
-                &self.configuration.inputs,
-                self.motor.count(tick.position),
-                tick.elapsed,
-            );
-        }
-    }
-
     /// Compares what the motor does with what it should.
     #[inline(never)]
     fn watch_motor(&mut self, tick: &Tick<'_>) {

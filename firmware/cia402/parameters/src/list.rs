@@ -205,6 +205,8 @@ macro_rules! every_parameter {
             in brake: BrakeTimes {
                 setting BrakeReleaseTime brake_release_time 0x2040:1 u16 = 0, "ms" => release: plain;
                 setting BrakeEngageTime brake_engage_time 0x2040:2 u16 = 0, "ms" => engage: plain;
+                /// From power to the release.
+                setting BrakePowerTime brake_power_time 0x2040:3 u16 = 0, "ms" => power: plain;
             }
             /// How homing is set up.
             in homing: HomingConfiguration {

@@ -246,6 +246,7 @@ impl<A, B: Behaviour> Hooks<A, B> {
             outputs_written: core::mem::take(&mut self.outputs_written),
             passed_set_point: None,
             fault: None,
+            home_switch: None,
         };
         if B::IS_THERE {
             self.behaviour.command(dictionary, units, &mut commands);

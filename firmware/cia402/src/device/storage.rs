@@ -38,7 +38,7 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
             self.node.load_parameters(store, now, &mut self.hooks);
             self.hooks.loaded(self.node.dictionary());
             self.start_commissioning();
-            self.refresh(now, exchange);
+            self.refresh(now, false, exchange);
             self.hooks.touch();
             self.post(exchange);
         }

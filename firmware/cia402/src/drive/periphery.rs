@@ -24,6 +24,27 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         }
     }
 
+    /// The switches look at the inputs, or at what the network tells of the home switch.
+    pub(super) fn look_at_switches(&mut self, tick: &Tick<'_>) {
+        if tick.is_early {
+            self.switches.forget_edges();
+            return;
+        }
+        let configuration = &self.configuration.inputs;
+        let mut digital = &tick.inputs.digital;
+        let mut told;
+        if let Some(is_high) = self.commands.home_switch {
+            told = *digital;
+            told.changed &= !configuration.home;
+            told.levels &= !configuration.home;
+            told.levels |= if is_high { configuration.home } else { 0 };
+            digital = &told;
+        }
+        let count = self.motor.count(tick.position);
+        self.switches
+            .observe(digital, configuration, count, tick.elapsed);
+    }
+
     /// The touch probes look at the inputs: in regular ticks only, as these alone have the edges. What is only written once is in the
     /// commands of an early one all the same.
     pub(super) fn probe(&mut self, tick: &Tick<'_>) {
@@ -68,11 +89,14 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
     /// motor begins from where it has come to rest, and not before the brake has let go of it.
     pub(super) fn await_rotor(&mut self, now: Instant, inputs: &Inputs) {
         if !self.power.is_on() {
-            let release = u64::from(self.configuration.brake.release).saturating_mul(1_000);
+            let brake = &self.configuration.brake;
+            let power = u64::from(brake.power).saturating_mul(1_000);
+            let release = u64::from(brake.release).saturating_mul(1_000);
+            self.brakes.free = Instant::from_ticks(now.ticks().saturating_add(power));
             // A field that is led by the rotor draws it nowhere.
             let is_drawn = inputs.position_tolerance != 0 && D::DRIVE.modes & TORQUE_MODES == 0;
             let wait = if is_drawn {
-                release.saturating_add(CATCH)
+                power.saturating_add(release).saturating_add(CATCH)
             } else {
                 0
             };

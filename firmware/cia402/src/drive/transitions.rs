@@ -64,15 +64,15 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             // It waits for nothing, and no fault reaction goes on against it.
             self.power_off();
         }
-        let holds_open = self.brakes.wanted.is_released() || !self.is_leaving(remote, command);
-        self.brakes
-            .wanted
-            .set(self.power.is_on() && holds_open, now);
+        let may_open = now >= self.brakes.free && !self.is_leaving(remote, command);
+        let is_open = self.power.is_on() && (self.brakes.wanted.is_released() || may_open);
+        self.brakes.wanted.set(is_open, now);
         self.end_own_stop(now, remote);
         self.machine.settle(
             command == Some(Command::EnableOperation)
                 && self.commands.remote
                 && self.power == Power::On
+                && self.brakes.wanted.is_released()
                 && !tick.is_asked,
         );
     }

@@ -11,6 +11,7 @@ fn enabled() -> Rig {
     rig.configuration.brake = BrakeTimes {
         release: 30,
         engage: 50,
+        power: 0,
     };
     rig.ticks(2);
     for controlword in [0x06, 0x07, 0x0F] {
@@ -24,6 +25,24 @@ fn enabled() -> Rig {
     );
     assert!(rig.outputs.power_stage && rig.outputs.brake_released);
     rig
+}
+
+#[test]
+fn the_brake_opens_when_the_current_has_flowed_for_its_time() {
+    let mut rig = Rig::new();
+    rig.configuration.brake.power = 40;
+    rig.ticks(2);
+    for controlword in [0x06, 0x07, 0x0F] {
+        rig.write(controlword);
+        rig.tick();
+    }
+    assert!(rig.outputs.power_stage && !rig.outputs.brake_released);
+    let ticks = rig.until("open", |rig| rig.outputs.brake_released);
+    assert!((39..=41).contains(&ticks), "{ticks}");
+    // Power that comes anew has its time anew.
+    rig.write(0x00);
+    rig.ticks(3);
+    assert!(!rig.outputs.power_stage && !rig.outputs.brake_released);
 }
 
 #[test]
