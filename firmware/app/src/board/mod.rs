@@ -31,6 +31,8 @@ mod odrive36;
 #[cfg(feature = "qemu")]
 mod qemu;
 mod scope_memory;
+#[cfg(feature = "odrive36")]
+mod servo_stage;
 #[cfg(feature = "stm32f405")]
 mod stm32f405;
 mod user_memory;

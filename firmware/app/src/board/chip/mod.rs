@@ -6,6 +6,11 @@
 pub mod can;
 pub mod clocks;
 pub mod flash;
+#[cfg(not(feature = "odrive36"))]
+pub mod lights;
+pub mod output_pins;
+#[cfg(not(feature = "odrive36"))]
+pub mod switches;
 pub mod watchdog;
 
 mod bit_timing;

@@ -1,8 +1,13 @@
-//! The words to the gate driver of M0 over SPI3, a word in a control tick. What they say is in [`servo::stage::drv8301`].
+//! The gate driver of M0: its enable and its fault line, and words over SPI3, one in a control tick. What they say is in [`servo::stage::drv8301`].
 
-use stm32f4xx_hal::gpio::{Alternate, Output, PC10, PC11, PC12, PC13};
+use servo::stage::GateDriver;
+use stm32f4xx_hal::gpio::{Alternate, Input, Output, PB12, PC10, PC11, PC12, PC13, PD2};
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
+
+use super::motor;
+use crate::board::servo_stage::pwm;
+use crate::board::servo_stage::stage::Driver;
 
 /// Bits of CR1 (RM0090, 28.5.1): 16 bits, chip select by software, 42 MHz / 16, master; data are taken over at the second edge.
 const CPHA: u16 = 1;
@@ -58,5 +63,56 @@ impl Words {
         self.select.set_low();
         self.spi.dr().write(|w| w.dr().set(word));
         self.is_sent = true;
+    }
+}
+
+/// See the module.
+pub struct Gates {
+    driver: GateDriver,
+    words: Words,
+    enable: PB12<Output>,
+    fault: PD2<Input>,
+}
+
+impl Gates {
+    /// It sleeps.
+    pub fn new(words: Words, enable: PB12<Output>, fault: PD2<Input>) -> Self {
+        Self {
+            driver: GateDriver::new(motor::GATES),
+            words,
+            enable,
+            fault,
+        }
+    }
+}
+
+impl Driver for Gates {
+    fn tick(&mut self, is_fed: bool) {
+        let answer = self.words.take();
+        let is_well = self.fault.is_high();
+        let action = self.driver.tick(answer, is_well, is_fed);
+        self.enable.set_state(action.enable.into());
+        if let Some(word) = action.send {
+            self.words.send(word);
+        }
+        if self.driver.is_ready() {
+            pwm::go_on();
+        }
+    }
+
+    fn is_set_up(&self) -> bool {
+        self.driver.is_set_up()
+    }
+
+    fn is_ready(&self) -> bool {
+        self.driver.is_ready()
+    }
+
+    fn fault(&self) -> Option<u16> {
+        self.driver.fault()
+    }
+
+    fn mend(&mut self) {
+        self.driver.mend();
     }
 }

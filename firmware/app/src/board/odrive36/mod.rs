@@ -27,34 +27,28 @@
 //!
 //! Core 168 MHz, TIM1 168 MHz, APB1 42 MHz (CAN, SPI3), its timers 84 MHz (TIM2 brake, TIM3 encoder, TIM5 time and the deadlines of the node).
 
-mod converters;
 mod gates;
-mod lines;
 mod motor;
-mod pulses;
 mod pwm;
-mod stage;
-
-use core::mem::MaybeUninit;
-use core::ptr::addr_of_mut;
 
 use canopen::settings::Wish;
 use cia402::ServoAxis;
-use cortex_m::peripheral::NVIC;
 use motion::DriverTiming;
-use runtime::servo::{self, Link, Loops, Port};
 use runtime::Lights;
 use stm32f4xx_hal::gpio::{ErasedPin, Output, PinState, Pull, Speed};
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::prelude::*;
-use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
 use super::chip::watchdog::Watchdog;
 use super::chip::{self, can, clocks, flash, CORE_HZ, TIMERS_HZ};
+use super::servo_stage::{self, converters, encoder, lines, orders, stage};
 use super::{user_memory, Board, Parts};
-use crate::control::RATE_HZ;
 use crate::stepping::SharedEmitter;
-pub use stage::{cut, has_power};
+pub use motor::{three_currents, CHANNELS, DATA};
+pub use pwm::{cut, Bridges};
+pub use servo_stage::pwm::{
+    are_outputs_on as has_power, outputs_off as gates_off, outputs_on as gates_on,
+};
 
 app! {
     device: stm32f4xx_hal::pac,
@@ -71,23 +65,10 @@ app! {
 /// The board.
 pub struct Odrive36;
 
-/// What the tasks copy from one to the other.
-static LINK: Link = Link::new();
-
-/// What the current interrupt has, and nobody else: the loops, the converters and the bridges.
-struct Inner {
-    current: servo::Current,
-    converters: converters::Currents,
-    bridges: pwm::Bridges,
-}
-
-/// The loops above the current run as often as refills come.
-const _: () = assert!(
-    pwm::HZ == RATE_HZ * Odrive36::REFILLS * motor::DATA.stage.control as u32,
-    "a refill in each period of the loops above the current"
-);
-
-static mut INNER: MaybeUninit<Inner> = MaybeUninit::uninit();
+/// The bits of inputs 1 to 4, PA0 to PA3, of the index, PC9, and of nFAULT, PD2, in their registers.
+const PLAIN: u32 = 0xF;
+const INDEX: u32 = 1 << 9;
+pub const FAULT_LINE: u32 = 1 << 2;
 
 impl Board for Odrive36 {
     const TICKS_PER_MICROSECOND: u32 = chip::TICKS_PER_MICROSECOND;
@@ -96,21 +77,15 @@ impl Board for Odrive36 {
     const USER_MEMORY: usize = 4_096;
     const SCOPE_WORDS: usize = 1_024;
     const SYSTEM_TIMER_HZ: u32 = CORE_HZ;
-    /// Nothing takes pulses: they are so short that no speed of a motor is beyond them.
-    const TIMING: DriverTiming = DriverTiming {
-        pulse_high: 8,
-        pulse_low: 8,
-        direction_setup: 0,
-        direction_hold: 0,
-    };
+    const TIMING: DriverTiming = servo_stage::TIMING;
 
     type Axis = ServoAxis<SharedEmitter>;
-    type Pulses = pulses::Orders;
-    type Steps = lines::EncoderEdges;
-    type ServoObjects = pulses::LinkedServoObjects;
+    type Pulses = orders::Orders;
+    type Steps = encoder::EncoderEdges;
+    type ServoObjects = orders::LinkedServoObjects;
     type Receiver = can::Receiver;
     type Bus = can::Controller;
-    type Stage = stage::ServoStage;
+    type Stage = stage::ServoStage<gates::Gates, 0>;
     type InputLines = lines::Lines;
     type Lights = TwoLights;
     type Parameters = flash::ParameterSectors;
@@ -164,14 +139,11 @@ impl Board for Odrive36 {
             .apb1_fz()
             .modify(|_, w| w.dbg_tim2_stop().set_bit().dbg_tim5_stop().set_bit());
 
-        let _: (
-            stm32f4xx_hal::gpio::PB4<stm32f4xx_hal::gpio::Alternate<2>>,
-            stm32f4xx_hal::gpio::PB5<stm32f4xx_hal::gpio::Alternate<2>>,
-        ) = (
+        let encoder_lines = (
             b.pb4.into_alternate().internal_resistor(Pull::Up),
             b.pb5.into_alternate().internal_resistor(Pull::Up),
         );
-        start_encoder(&device.TIM3, &mut rcc);
+        encoder::start(&device.TIM3, encoder_lines, &mut rcc);
         let mut syscfg = device.SYSCFG.constrain(&mut rcc);
         let index = c.pc9.into_pull_down_input().erase();
         let input_lines = lines::Lines::new(index, &mut fault, &mut syscfg, device.EXTI);
@@ -186,26 +158,19 @@ impl Board for Odrive36 {
             select,
             &mut rcc,
         );
+        let _ = (
+            a.pa6.into_analog(),
+            c.pc0.into_analog(),
+            c.pc1.into_analog(),
+        );
         let (converters, slow) = converters::start(
             (device.ADC1, device.ADC2, device.ADC3),
             &device.ADC_COMMON,
-            (
-                a.pa6.into_analog(),
-                c.pc0.into_analog(),
-                c.pc1.into_analog(),
-                c.pc4.into_analog(),
-                c.pc5.into_analog(),
-            ),
+            &CHANNELS,
+            (c.pc4.into_analog(), c.pc5.into_analog()),
             &mut rcc,
         );
-        let pieces = stage::Pieces {
-            words,
-            enable,
-            fault,
-            brake,
-            slow,
-            watchdog,
-        };
+        let gates = gates::Gates::new(words, enable, fault);
 
         // While a timer does not drive them the switches are off.
         let _: BridgePins = (
@@ -218,18 +183,9 @@ impl Board for Odrive36 {
             (b.pb10.into_alternate().speed(Speed::High)).internal_resistor(Pull::Down),
             (b.pb11.into_alternate().speed(Speed::High)).internal_resistor(Pull::Down),
         );
-        let timer = lines::encoder();
-        let Ok(loops) = Loops::new(&motor::DATA, timer, None) else {
-            panic!("the motor of the board cannot be one");
-        };
-        let inner = Inner {
-            current: servo::Current::new(loops, &LINK, TIMERS_HZ),
-            converters,
-            // The first interrupt may come from here on, and waits until all is set up: interrupts are off.
-            bridges: pwm::Bridges::new(device.TIM1, device.TIM2, &mut rcc),
-        };
-        // SAFETY: the peripherals exist once, so this function is called once, and the interrupt that has the memory from then on has not come yet.
-        unsafe { (*addr_of_mut!(INNER)).write(inner) };
+        let (orders, servo_objects) = servo_stage::start(converters, || {
+            Bridges::new(device.TIM1, device.TIM2, &mut rcc)
+        });
 
         let can_pins = (
             // At the lowest speed an edge takes a tenth of a bit of 1 Mbit/s.
@@ -238,15 +194,12 @@ impl Board for Odrive36 {
             b.pb8.into_alternate().internal_resistor(Pull::Up),
         );
         Parts {
-            pulses: pulses::Orders(Port::new(&LINK, chip::ticks(), timer)),
-            steps: lines::EncoderEdges,
-            servo_objects: pulses::LinkedServoObjects {
-                link: &LINK,
-                objects: servo::ServoObjects::default(),
-            },
+            pulses: orders,
+            steps: encoder::EncoderEdges,
+            servo_objects,
             receiver: can::Receiver,
             bus: can::Controller::new(device.CAN1, can_pins, &mut rcc),
-            stage: stage::ServoStage::new(&LINK, pieces),
+            stage: stage::ServoStage::new(gates, brake.erase(), [], slow, watchdog),
             lights,
             input_lines,
             parameters: flash::ParameterSectors::new(device.FLASH),
@@ -264,31 +217,26 @@ impl Board for Odrive36 {
     }
 
     fn input_levels() -> u8 {
-        lines::levels()
+        // SAFETY: reading the input registers has no effect.
+        let (a, c) = unsafe {
+            (
+                (*pac::GPIOA::ptr()).idr().read().bits(),
+                (*pac::GPIOC::ptr()).idr().read().bits(),
+            )
+        };
+        let index = if c & INDEX != 0 { lines::INPUT_6 } else { 0 };
+        (a & PLAIN) as u8 | index
     }
 
     // What is pended is served.
     fn refill_done() {}
 
     fn on_current() {
-        // SAFETY: it was written before interrupts were on, and this interrupt alone, which does not interrupt itself, has it since.
-        let inner = unsafe { (*addr_of_mut!(INNER)).assume_init_mut() };
-        let counts = inner.converters.read(lines::encoder());
-        let widths = inner.current.period(&counts);
-        inner.bridges.put(widths);
-        if !inner.current.control(&counts, chip::ticks()) {
-            inner.bridges.put(None);
-        }
-        if let Some(share) = inner.current.chopping(&counts) {
-            inner.bridges.burn(share);
-            // The interrupt of a timer that is not used.
-            NVIC::pend(pac::Interrupt::TIM4);
-        }
+        servo_stage::on_current();
     }
 
     fn trip() {
-        pwm::trip();
-        lines::fault_seen();
+        servo_stage::trip();
     }
 
     fn wake_in(microseconds: u32) {
@@ -301,20 +249,6 @@ impl Board for Odrive36 {
 
     fn idle() {
         cortex_m::asm::wfi();
-    }
-}
-
-/// TIM3 counts each edge of both lines, those that stand for 4 clocks of 84 MHz.
-fn start_encoder(timer: &pac::TIM3, rcc: &mut Rcc) {
-    const BOTH_WITH_FILTER: u32 = 0x2121;
-    const BOTH_EDGES: u32 = 3;
-    pac::TIM3::enable(rcc);
-    pac::TIM3::reset(rcc);
-    // SAFETY: bits of the registers (RM0090, 18.4.3 and 18.4.7).
-    unsafe {
-        timer.ccmr1_input().write(|w| w.bits(BOTH_WITH_FILTER));
-        timer.smcr().write(|w| w.bits(BOTH_EDGES));
-        timer.cr1().write(|w| w.bits(1));
     }
 }
 

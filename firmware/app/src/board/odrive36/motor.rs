@@ -4,10 +4,13 @@
 
 use runtime::servo::{ServoData, StageData};
 use servo::stage::drv8301::{Gain, Settings};
+use servo::stage::sensors;
 use servo::{Motor, Wiring};
 
 use super::pwm;
 use crate::board::chip::CORE_HZ;
+use crate::board::servo_stage::converters::Channels;
+use crate::board::servo_stage::pwm::PERIOD;
 
 /// Gain of the amplifiers behind the shunts: ±41 A, of which the trip is 24 A.
 const GAIN: Gain = Gain::Eighty;
@@ -16,7 +19,7 @@ const GAIN: Gain = Gain::Eighty;
 const SHUNT: f32 = 500e-6;
 
 /// The count without a current, and how far from it an amplifier may be.
-pub const MIDDLE: u16 = 2_048;
+const MIDDLE: u16 = 2_048;
 const SPREAD: u16 = 200;
 
 /// Volts of a count of the converters.
@@ -30,9 +33,6 @@ pub const GATES: Settings = Settings {
     limit: 21,
     gain: GAIN,
 };
-
-/// The period of the modulation, in counts of its timer, is twice the top.
-const PERIOD: f32 = 2.0 * pwm::TOP as f32;
 
 /// See the module.
 pub const DATA: ServoData = ServoData {
@@ -66,3 +66,15 @@ pub const DATA: ServoData = ServoData {
         bears: (12.0, 2.0),
     },
 };
+
+/// The channels of the converters: PA6, PC0 and PC1.
+pub const CHANNELS: Channels = Channels {
+    bus: 6,
+    currents: [10, 11],
+};
+
+/// The counts of the phases, from those of B and C.
+#[inline]
+pub fn three_currents(b: u16, c: u16) -> [u16; 3] {
+    sensors::three_of_two(b, c, MIDDLE)
+}

@@ -1,21 +1,11 @@
-//! TIM1: the three half bridges of M0, and the moment at which the currents are converted; TIM2: the half bridge of the brake resistor, AUX.
-//!
-//! TIM1 counts up and down; an upper switch is on below its compare value, so the lower ones are on around the top. There the fourth channel starts the converters.
-//! What they lead to is written before the bottom, where the timer takes it over.
-
-use core::sync::atomic::{AtomicBool, Ordering};
+//! TIM1 has the three half bridges of M0; TIM2 the half bridge of the brake resistor, AUX.
 
 use servo::stage::Counter;
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
-use crate::board::chip::CORE_HZ;
-
-/// Half a period.
-pub const TOP: u16 = 4_200;
-
-/// Periods in a second.
-pub const HZ: u32 = CORE_HZ / (2 * TOP as u32);
+use crate::board::servo_stage::pwm::{bits, Motor, Settings, COUNTER, TOP};
+use crate::board::servo_stage::{self, pwm};
 
 /// Clocks between the switches of a half bridge: 0.12 µs, as the firmware of its maker has it; the gate driver adds 0.05 µs.
 pub const DEAD: u8 = 20;
@@ -24,119 +14,72 @@ pub const DEAD: u8 = 20;
 const BRAKE_TOP: u16 = 2_100;
 const BRAKE_DEAD: u16 = 40;
 
-const BRIDGES: Counter = Counter::new(TOP);
 const BRAKE: Counter = Counter::new(BRAKE_TOP);
 
-/// Bits of the registers (RM0090, 17.4 and 18.4).
-mod bits {
-    /// CR1: on, only overflows are updates, up and down, preload.
-    pub const CEN: u32 = 1;
-    pub const URS: u32 = 1 << 2;
-    pub const UP_AND_DOWN: u32 = 1 << 5;
-    pub const ARPE: u32 = 1 << 7;
-    /// CR2: the signal of channel 4 is the trigger.
-    pub const OC4REF: u32 = 7 << 4;
-    /// CCMR1 and CCMR2: PWM mode 1 or 2 with preload, in the lower and in the upper half.
-    pub const BELOW: u32 = 6 << 4 | 1 << 3;
-    pub const ABOVE: u32 = 7 << 4 | 1 << 3;
-    /// CCER: channels 1 to 3 and their complements; channels 3 and 4.
-    pub const BRIDGES: u32 = 0x555;
-    pub const BRAKE: u32 = 0x1100;
-    /// BDTR: outputs that are off are low.
-    pub const OSSI: u32 = 1 << 10;
-    pub const OSSR: u32 = 1 << 11;
-    pub const MOE: u32 = 1 << 15;
-    /// EGR.
-    pub const UG: u32 = 1;
-}
+/// CCMR2: PWM mode 2 with preload.
+const ABOVE: u32 = 7 << 4 | 1 << 3;
 
-/// The gate driver has told of a fault, and has not yet been asked why.
-static TRIPPED: AtomicBool = AtomicBool::new(false);
+const SETTINGS: Settings = Settings {
+    // The signal of channel 4.
+    trigger: 7 << 4,
+    // Just before the top: at the top itself it would be no edge.
+    fourth: (ABOVE, TOP - 1),
+    // Channels 1 to 3 and their complements.
+    outputs: 0x555,
+    dead: DEAD,
+};
 
-/// Both timers. The interrupt of the currents has them, and what cuts off looks past it.
+/// CCER of TIM2: channels 3 and 4.
+const BRAKE_OUTPUTS: u32 = 0x1100;
+
+/// Both timers. The interrupt of the currents has them.
 pub struct Bridges {
-    motor: pac::TIM1,
+    motor: Motor,
     brake: pac::TIM2,
-    /// Compare values are on their way.
-    is_armed: bool,
 }
 
 impl Bridges {
     /// Both run, with all switches off.
     pub fn new(motor: pac::TIM1, brake: pac::TIM2, rcc: &mut Rcc) -> Self {
-        pac::TIM1::enable(rcc);
-        pac::TIM1::reset(rcc);
         pac::TIM2::enable(rcc);
         pac::TIM2::reset(rcc);
-        // SAFETY: bits and values of these registers. MOE is 0, so no switch of the motor is on, and the values of the brake are those with both off.
+        // SAFETY: bits and values of these registers; the values are those with both switches off.
         unsafe {
-            motor.cr2().write(|w| w.bits(bits::OC4REF));
-            motor
-                .ccmr1_output()
-                .write(|w| w.bits(bits::BELOW | bits::BELOW << 8));
-            motor
-                .ccmr2_output()
-                .write(|w| w.bits(bits::BELOW | bits::ABOVE << 8));
-            motor.ccer().write(|w| w.bits(bits::BRIDGES));
-            motor
-                .bdtr()
-                .write(|w| w.bits(bits::OSSI | bits::OSSR | u32::from(DEAD)));
-            motor.arr().write(|w| w.bits(TOP.into()));
-            // Just before the top: at the top itself it would be no edge.
-            motor.ccr4().write(|w| w.bits(u32::from(TOP) - 1));
-            let cr1 = bits::URS | bits::UP_AND_DOWN | bits::ARPE;
-            motor.cr1().write(|w| w.bits(cr1));
-            motor.egr().write(|w| w.bits(bits::UG));
-
             brake
                 .ccmr2_output()
-                .write(|w| w.bits(bits::BELOW | bits::ABOVE << 8));
+                .write(|w| w.bits(bits::BELOW | ABOVE << 8));
             brake.arr().write(|w| w.bits(BRAKE_TOP.into()));
             let [lower, upper] = BRAKE.chopper(0.0, BRAKE_DEAD);
             brake.ccr3().write(|w| w.bits(lower.into()));
             brake.ccr4().write(|w| w.bits(upper.into()));
+            let cr1 = bits::URS | bits::UP_AND_DOWN | bits::ARPE;
             brake.cr1().write(|w| w.bits(cr1));
             brake.egr().write(|w| w.bits(bits::UG));
-            brake.ccer().write(|w| w.bits(bits::BRAKE));
-
-            motor.cr1().write(|w| w.bits(cr1 | bits::CEN));
+            brake.ccer().write(|w| w.bits(BRAKE_OUTPUTS));
             brake.cr1().write(|w| w.bits(cr1 | bits::CEN));
         }
         Self {
-            motor,
+            motor: Motor::new(motor, &SETTINGS, rcc),
             brake,
-            is_armed: false,
         }
     }
+}
 
-    /// The widths that act from the bottom on; without any all switches are off.
+impl servo_stage::Bridges for Bridges {
     #[inline]
-    pub fn put(&mut self, widths: Option<[f32; 3]>) {
-        let Some([a, b, c]) = widths else {
-            self.is_armed = false;
-            gates_off();
-            return;
-        };
-        let put = |width: f32| BRIDGES.half_bridge(width).into();
-        // SAFETY: compare values up to the top.
-        unsafe {
-            self.motor.ccr1().write(|w| w.bits(put(a)));
-            self.motor.ccr2().write(|w| w.bits(put(b)));
-            self.motor.ccr3().write(|w| w.bits(put(c)));
-        }
-        // Those of the period before act.
-        if core::mem::replace(&mut self.is_armed, true) && !has_tripped() {
-            gates_on();
-        }
-        // A trip between the look at it and the switch is seen here, one that comes later switches off itself.
-        if has_tripped() {
-            self.is_armed = false;
-            gates_off();
-        }
+    fn put(&mut self, widths: Option<[f32; 3]>) {
+        self.motor.put(widths, |timer, [a, b, c]| {
+            let put = |width: f32| COUNTER.half_bridge(width).into();
+            // SAFETY: compare values up to the top.
+            unsafe {
+                timer.ccr1().write(|w| w.bits(put(a)));
+                timer.ccr2().write(|w| w.bits(put(b)));
+                timer.ccr3().write(|w| w.bits(put(c)));
+            }
+        });
     }
 
-    /// The share of the time for which the brake resistor burns.
-    pub fn burn(&mut self, share: f32) {
+    fn burn(&mut self, share: f32) {
         let [lower, upper] = BRAKE.chopper(share, BRAKE_DEAD);
         // SAFETY: compare values up to one beyond the top. Both are taken over at the same end of the counter, unless that comes between them: then one switch has the time of
         // before for half a period. Written off first, that is never both.
@@ -151,52 +94,34 @@ impl Bridges {
     }
 }
 
-fn gates_on() {
-    // SAFETY: the interrupt that calls this is the only one that sets the bit; who clears it meanwhile is looked for behind it.
-    unsafe {
-        (*pac::TIM1::ptr())
-            .bdtr()
-            .modify(|r, w| w.bits(r.bits() | bits::MOE))
-    };
-}
-
-/// All switches of the motor are off, and so is the next period.
-#[inline(always)]
-pub fn gates_off() {
-    // SAFETY: one bit of a register of which nobody changes another; without it all outputs are low.
-    unsafe {
-        (*pac::TIM1::ptr())
-            .bdtr()
-            .modify(|r, w| w.bits(r.bits() & !bits::MOE))
-    };
-}
-
 /// All switches of the brake are off.
 #[inline(always)]
-pub fn brake_off() {
+fn brake_off() {
     // SAFETY: without preload the value acts at once; with it both switches are off without their outputs.
     unsafe { (*pac::TIM2::ptr()).ccer().write(|w| w.bits(0)) };
 }
 
-/// Whether the gates may be on.
-pub fn are_gates_on() -> bool {
-    // SAFETY: reading the register has no effect.
-    let bdtr = unsafe { (*pac::TIM1::ptr()).bdtr().read().bits() };
-    bdtr & bits::MOE != 0
-}
+/// Bits of the registers: the clock of GPIOB, those of TIM1 and TIM2, the pins PB12 and PB2.
+const PORTS: u32 = 1 << 1;
+const TIM1: u32 = 1 << 0;
+const TIM2: u32 = 1 << 0;
+const ENABLE_LOW: u32 = 1 << (16 + 12);
+const BRAKE_LOW: u32 = 1 << (16 + 2);
 
-/// The gate driver has a fault.
-pub fn trip() {
-    TRIPPED.store(true, Ordering::Relaxed);
-    gates_off();
-}
-
-/// Whether it had one since [`go_on`].
-pub fn has_tripped() -> bool {
-    TRIPPED.load(Ordering::Relaxed)
-}
-
-/// It is over.
-pub fn go_on() {
-    TRIPPED.store(false, Ordering::Relaxed);
+/// Takes the current from the motor and the brake resistor and closes the brake, whoever owns the pins. Nothing runs after it but a log line.
+#[inline(always)]
+pub fn cut() {
+    // SAFETY: the owners of these registers never run again. The clocks come first, as this may be before they were set up; a pin that is no
+    // output yet is held by the resistors around the chip.
+    unsafe {
+        let rcc = &*pac::RCC::ptr();
+        rcc.ahb1enr().modify(|r, w| w.bits(r.bits() | PORTS));
+        rcc.apb2enr().modify(|r, w| w.bits(r.bits() | TIM1));
+        rcc.apb1enr().modify(|r, w| w.bits(r.bits() | TIM2));
+        (*pac::GPIOB::ptr())
+            .bsrr()
+            .write(|w| w.bits(ENABLE_LOW | BRAKE_LOW));
+    }
+    pwm::outputs_off();
+    brake_off();
 }

@@ -26,7 +26,6 @@ mod converter;
 mod input_lines;
 mod pulse_timer;
 mod stage;
-mod switches;
 
 use cia402::StepAxis;
 use stm32f4xx_hal::gpio::{Output, Pull, Speed, PC12, PC6, PC7};
@@ -34,8 +33,9 @@ use stm32f4xx_hal::pac;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::{Enable, Reset};
 
+use super::chip::lights::PinLights;
 use super::chip::watchdog::Watchdog;
-use super::chip::{self, can, clocks, flash, CORE_HZ, TIMERS_HZ};
+use super::chip::{self, can, clocks, flash, switches, CORE_HZ, TIMERS_HZ};
 use super::{user_memory, Board, NoServoObjects, Parts};
 use crate::control::RATE_HZ;
 use crate::stepping::SharedEmitter;
@@ -72,7 +72,7 @@ impl Board for Stm32f405 {
     type Bus = can::Controller;
     type Stage = stage::StepStage;
     type InputLines = input_lines::Lines;
-    type Lights = stage::PinLights<PC6<Output>, PC7<Output>, PC12<Output>>;
+    type Lights = PinLights<PC6<Output>, PC7<Output>, PC12<Output>>;
     type Parameters = flash::ParameterSectors;
 
     type Device = pac::Peripherals;
@@ -110,7 +110,7 @@ impl Board for Stm32f405 {
             ),
             watchdog,
         );
-        let lights = stage::PinLights::new(
+        let lights = PinLights::new(
             c.pc6.into_push_pull_output(),
             c.pc7.into_push_pull_output(),
             c.pc12.into_push_pull_output(),

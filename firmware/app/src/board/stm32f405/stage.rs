@@ -1,15 +1,13 @@
-//! The power stage's pins, the lights and the watchdog.
+//! The power stage's pins and the watchdog.
 
 use cia402::outputs::COUNT;
 use cia402::Inputs;
-use embedded_hal::digital::OutputPin;
 use stm32f4xx_hal::gpio::{ErasedPin, Input, Output, PA2, PA3, PC0, PC2};
 use stm32f4xx_hal::pac;
 
-use runtime::Lights;
-
 use super::converter::Converter;
 use super::input_lines::Guard;
+use crate::board::chip::output_pins::OutputPins;
 use crate::board::chip::watchdog::Watchdog;
 use crate::board::Stage;
 
@@ -22,9 +20,7 @@ pub struct StepStage {
     fault: PA3<Input>,
     supply: PC0<Input>,
     brake: PC2<Output>,
-    outputs: [ErasedPin<Output>; COUNT],
-    /// The levels of the outputs.
-    levels: u8,
+    outputs: OutputPins<COUNT>,
     converter: Converter,
     watchdog: Watchdog,
     lines: Guard,
@@ -46,8 +42,7 @@ impl StepStage {
             fault,
             supply,
             brake,
-            outputs,
-            levels: 0,
+            outputs: OutputPins::new(outputs),
             converter,
             watchdog,
             lines: Guard::default(),
@@ -90,13 +85,7 @@ impl Stage for StepStage {
     }
 
     fn set_outputs(&mut self, levels: u8) {
-        if levels == self.levels {
-            return;
-        }
-        self.levels = levels;
-        for (output, pin) in self.outputs.iter_mut().enumerate() {
-            pin.set_state((levels & 1 << output != 0).into());
-        }
+        self.outputs.set(levels);
     }
 
     fn feed_watchdog(&mut self) {
@@ -141,36 +130,4 @@ pub fn cut() {
 pub fn has_power() -> bool {
     // SAFETY: reading the output register of GPIOA has no effect.
     unsafe { (*pac::GPIOA::ptr()).odr().read().odr2().is_low() }
-}
-
-/// The green, the red and the drive's light, each on a pin of its own. The green and the red one may be one with two colours, as it
-/// shows yellow where both are lit; set [`Lights::BICOLOUR`] for such a light.
-pub struct PinLights<Run, Error, Drive> {
-    run: Run,
-    error: Error,
-    drive: Drive,
-}
-
-impl<Run: OutputPin, Error: OutputPin, Drive: OutputPin> PinLights<Run, Error, Drive> {
-    /// As the pins are: all dark.
-    pub fn new(run: Run, error: Error, drive: Drive) -> Self {
-        Self { run, error, drive }
-    }
-}
-
-// A pin of the chip cannot fail, and a light that does is no reason to stop.
-impl<Run: OutputPin, Error: OutputPin, Drive: OutputPin> Lights for PinLights<Run, Error, Drive> {
-    const BICOLOUR: bool = false;
-
-    fn set_run(&mut self, on: bool) {
-        let _ = self.run.set_state(on.into());
-    }
-
-    fn set_error(&mut self, on: bool) {
-        let _ = self.error.set_state(on.into());
-    }
-
-    fn set_drive(&mut self, on: bool) {
-        let _ = self.drive.set_state(on.into());
-    }
 }

@@ -1,18 +1,21 @@
-//! The three converters: at the top of TIM1's count one each for the bus, phase B and phase C, together; between that the first has the analogue input and the
-//! thermistor of the stage in turn, for the control tick.
+//! The three converters: by TIM1's trigger one each for the bus and two currents, together; between that the first has the analogue input and the thermistor of the stage
+//! in turn, for the control tick.
 
 use servo::interrupt::Counts;
-use servo::stage::{sensors, thermistor};
-use stm32f4xx_hal::gpio::{Analog, PA6, PC0, PC1, PC4, PC5};
+use servo::stage::thermistor;
+use stm32f4xx_hal::gpio::{Analog, PC4, PC5};
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::rcc::{Enable, Rcc};
 
-use super::motor::MIDDLE;
+use crate::board::own;
 
-/// Channels: PA6, PC0, PC1, and PC4, PC5.
-const BUS: u32 = 6;
-const PHASE_B: u32 = 10;
-const PHASE_C: u32 = 11;
+/// The channels of the injected conversions.
+pub struct Channels {
+    pub bus: u32,
+    pub currents: [u32; 2],
+}
+
+/// Those of PC4 and PC5.
 const INPUT: u8 = 14;
 const THERMISTOR: u8 = 15;
 
@@ -29,20 +32,14 @@ mod bits {
     pub const JSQ4: u32 = 15;
 }
 
-/// Their pins.
-pub type Pins = (
-    PA6<Analog>,
-    PC0<Analog>,
-    PC1<Analog>,
-    PC4<Analog>,
-    PC5<Analog>,
-);
+/// The pins of what changes slowly.
+pub type Pins = (PC4<Analog>, PC5<Analog>);
 
 /// What the interrupt reads of them.
 pub struct Currents {
     bus: pac::ADC1,
-    b: pac::ADC2,
-    c: pac::ADC3,
+    first: pac::ADC2,
+    second: pac::ADC3,
 }
 
 /// What the control tick has of the first: its regular conversions.
@@ -56,35 +53,37 @@ pub struct Slow {
 
 /// Starts all three. Nothing is converted before TIM1 says so.
 pub fn start(
-    (bus, b, c): (pac::ADC1, pac::ADC2, pac::ADC3),
+    (bus, first, second): (pac::ADC1, pac::ADC2, pac::ADC3),
     common: &pac::ADC_COMMON,
+    channels: &Channels,
     _pins: Pins,
     rcc: &mut Rcc,
 ) -> (Currents, Slow) {
     pac::ADC1::enable(rcc);
     pac::ADC2::enable(rcc);
     pac::ADC3::enable(rcc);
-    // 21 MHz of at most 36. The currents have 3 clocks to be sampled, with 12 to convert 0.7 µs; what changes slowly 480, 23 µs.
+    // 21 MHz of at most 36. The currents have 3 clocks to be sampled, with 12 to convert 0.7 µs; what changes slowly 144, 7 µs: all of it lies between two triggers.
     common.ccr().modify(|_, w| w.adcpre().div4());
     bus.smpr1()
-        .modify(|_, w| w.smp14().cycles480().smp15().cycles480());
+        .modify(|_, w| w.smp14().cycles144().smp15().cycles144());
     // SAFETY: bits of these registers, and channels of these converters.
     unsafe {
-        bus.jsqr().write(|w| w.bits(BUS << bits::JSQ4));
-        b.jsqr().write(|w| w.bits(PHASE_B << bits::JSQ4));
-        c.jsqr().write(|w| w.bits(PHASE_C << bits::JSQ4));
+        let [one, other] = channels.currents;
+        bus.jsqr().write(|w| w.bits(channels.bus << bits::JSQ4));
+        first.jsqr().write(|w| w.bits(one << bits::JSQ4));
+        second.jsqr().write(|w| w.bits(other << bits::JSQ4));
         // They end together.
-        c.cr1().write(|w| w.bits(bits::JEOCIE));
+        second.cr1().write(|w| w.bits(bits::JEOCIE));
         bus.cr2().write(|w| w.bits(bits::ADON | bits::BY_TIM1));
-        b.cr2().write(|w| w.bits(bits::ADON | bits::BY_TIM1));
-        c.cr2().write(|w| w.bits(bits::ADON | bits::BY_TIM1));
+        first.cr2().write(|w| w.bits(bits::ADON | bits::BY_TIM1));
+        second.cr2().write(|w| w.bits(bits::ADON | bits::BY_TIM1));
     }
     let slow = Slow {
         is_thermistor_next: false,
         input: None,
         temperature: None,
     };
-    (Currents { bus, b, c }, slow)
+    (Currents { bus, first, second }, slow)
 }
 
 impl Currents {
@@ -92,18 +91,23 @@ impl Currents {
     #[inline]
     pub fn read(&mut self, timer: u16) -> Counts {
         let counts = Counts {
-            currents: sensors::three_of_two(
-                self.b.jdr1().read().jdata().bits(),
-                self.c.jdr1().read().jdata().bits(),
-                MIDDLE,
+            currents: own::three_currents(
+                self.first.jdr1().read().jdata().bits(),
+                self.second.jdr1().read().jdata().bits(),
             ),
             bus: self.bus.jdr1().read().jdata().bits(),
             timer,
         };
+        self.pass();
+        counts
+    }
+
+    /// What was converted is not looked at. The interrupt is served.
+    #[inline]
+    pub fn pass(&mut self) {
         let served = !(bits::JEOC | bits::JSTRT) & 0x3F;
         // SAFETY: a 0 clears a flag of the register, and a 1 does nothing.
-        unsafe { self.c.sr().write(|w| w.bits(served)) };
-        counts
+        unsafe { self.second.sr().write(|w| w.bits(served)) };
     }
 }
 
