@@ -194,7 +194,7 @@ fn ramp_in(mode: Mode, ramp: StopRamp, commands: &Commands, configuration: &Conf
 
 /// The mode at work, with what it keeps from tick to tick: one mode has nothing that another one may look for.
 #[derive(Debug)]
-enum Work {
+enum ActiveMode {
     NoMode,
     ProfilePosition(ProfilePosition),
     Velocity(Velocity),
@@ -210,7 +210,7 @@ enum Work {
 /// Which of the modes is at work.
 #[derive(Debug)]
 pub(crate) struct Modes {
-    work: Work,
+    mode: ActiveMode,
     /// The active mode has given up its set-points, and the motor is slowing down.
     interrupted: bool,
     /// The ramp of 605Dh has been taken since then.
@@ -222,7 +222,7 @@ pub(crate) struct Modes {
 impl Modes {
     pub(crate) const fn new() -> Self {
         Self {
-            work: Work::NoMode,
+            mode: ActiveMode::NoMode,
             interrupted: false,
             halted: false,
             homing_failure: homing::NO_FAILURE,
@@ -231,17 +231,17 @@ impl Modes {
 
     /// The mode that is at work (6061h).
     pub(crate) const fn active(&self) -> Mode {
-        match self.work {
-            Work::NoMode => Mode::NoMode,
-            Work::ProfilePosition(_) => Mode::ProfilePosition,
-            Work::Velocity(_) => Mode::Velocity,
-            Work::ProfileVelocity(_) => Mode::ProfileVelocity,
-            Work::Homing(_) => Mode::Homing,
-            Work::InterpolatedPosition(_) => Mode::InterpolatedPosition,
-            Work::CyclicPosition(_) => Mode::CyclicPosition,
-            Work::CyclicVelocity(_) => Mode::CyclicVelocity,
-            Work::ProfileTorque(_) => Mode::ProfileTorque,
-            Work::CyclicTorque(_) => Mode::CyclicTorque,
+        match self.mode {
+            ActiveMode::NoMode => Mode::NoMode,
+            ActiveMode::ProfilePosition(_) => Mode::ProfilePosition,
+            ActiveMode::Velocity(_) => Mode::Velocity,
+            ActiveMode::ProfileVelocity(_) => Mode::ProfileVelocity,
+            ActiveMode::Homing(_) => Mode::Homing,
+            ActiveMode::InterpolatedPosition(_) => Mode::InterpolatedPosition,
+            ActiveMode::CyclicPosition(_) => Mode::CyclicPosition,
+            ActiveMode::CyclicVelocity(_) => Mode::CyclicVelocity,
+            ActiveMode::ProfileTorque(_) => Mode::ProfileTorque,
+            ActiveMode::CyclicTorque(_) => Mode::CyclicTorque,
         }
     }
 
@@ -249,17 +249,19 @@ impl Modes {
     #[inline(never)]
     fn set(&mut self, mode: Mode) {
         self.homing_failure = self.homing_failure();
-        self.work = match mode {
-            Mode::NoMode => Work::NoMode,
-            Mode::ProfilePosition => Work::ProfilePosition(ProfilePosition::new()),
-            Mode::Velocity => Work::Velocity(Velocity::new()),
-            Mode::ProfileVelocity => Work::ProfileVelocity(ProfileVelocity::new()),
-            Mode::Homing => Work::Homing(Homing::new(self.homing_failure)),
-            Mode::InterpolatedPosition => Work::InterpolatedPosition(InterpolatedPosition::new()),
-            Mode::CyclicPosition => Work::CyclicPosition(CyclicPosition::new()),
-            Mode::CyclicVelocity => Work::CyclicVelocity(CyclicVelocity::new()),
-            Mode::ProfileTorque => Work::ProfileTorque(ProfileTorque::new()),
-            Mode::CyclicTorque => Work::CyclicTorque(CyclicTorque::new()),
+        self.mode = match mode {
+            Mode::NoMode => ActiveMode::NoMode,
+            Mode::ProfilePosition => ActiveMode::ProfilePosition(ProfilePosition::new()),
+            Mode::Velocity => ActiveMode::Velocity(Velocity::new()),
+            Mode::ProfileVelocity => ActiveMode::ProfileVelocity(ProfileVelocity::new()),
+            Mode::Homing => ActiveMode::Homing(Homing::new(self.homing_failure)),
+            Mode::InterpolatedPosition => {
+                ActiveMode::InterpolatedPosition(InterpolatedPosition::new())
+            }
+            Mode::CyclicPosition => ActiveMode::CyclicPosition(CyclicPosition::new()),
+            Mode::CyclicVelocity => ActiveMode::CyclicVelocity(CyclicVelocity::new()),
+            Mode::ProfileTorque => ActiveMode::ProfileTorque(ProfileTorque::new()),
+            Mode::CyclicTorque => ActiveMode::CyclicTorque(CyclicTorque::new()),
         };
     }
 
@@ -275,13 +277,14 @@ impl Modes {
 
     /// Whether the mode at work looks for the home position, and enforces the limit switches itself.
     pub(crate) const fn is_homing(&self) -> bool {
-        matches!(&self.work, Work::Homing(homing) if homing.is_under_way()) && !self.interrupted
+        matches!(&self.mode, ActiveMode::Homing(homing) if homing.is_under_way())
+            && !self.interrupted
     }
 
     /// 2034h:2: why homing failed last.
     pub(crate) const fn homing_failure(&self) -> u8 {
-        match &self.work {
-            Work::Homing(homing) => homing.failure(),
+        match &self.mode {
+            ActiveMode::Homing(homing) => homing.failure(),
             _ => self.homing_failure,
         }
     }
@@ -289,16 +292,16 @@ impl Modes {
     /// A limit switch is stopping the motor: what the mode was after is not reached.
     #[inline(never)]
     pub(crate) fn limit_met(&mut self, motor: &Motor<impl Actuator>) {
-        match &mut self.work {
-            Work::NoMode | Work::Homing(_) => {}
-            Work::ProfilePosition(mode) => mode.limit_met(motor),
-            Work::Velocity(mode) => mode.limit_met(motor),
-            Work::ProfileVelocity(mode) => mode.limit_met(motor),
-            Work::InterpolatedPosition(mode) => mode.limit_met(),
-            Work::CyclicPosition(mode) => mode.limit_met(),
-            Work::CyclicVelocity(mode) => mode.limit_met(),
-            Work::ProfileTorque(mode) => mode.limit_met(motor),
-            Work::CyclicTorque(mode) => mode.limit_met(motor),
+        match &mut self.mode {
+            ActiveMode::NoMode | ActiveMode::Homing(_) => {}
+            ActiveMode::ProfilePosition(mode) => mode.limit_met(motor),
+            ActiveMode::Velocity(mode) => mode.limit_met(motor),
+            ActiveMode::ProfileVelocity(mode) => mode.limit_met(motor),
+            ActiveMode::InterpolatedPosition(mode) => mode.limit_met(),
+            ActiveMode::CyclicPosition(mode) => mode.limit_met(),
+            ActiveMode::CyclicVelocity(mode) => mode.limit_met(),
+            ActiveMode::ProfileTorque(mode) => mode.limit_met(motor),
+            ActiveMode::CyclicTorque(mode) => mode.limit_met(motor),
         }
     }
 
@@ -314,26 +317,26 @@ impl Modes {
     /// Operation is enabled: the mode starts with no set-point and all its bits at rest.
     pub(crate) fn enter(&mut self, motor: &Motor<impl Actuator>) {
         self.interrupted = false;
-        match &mut self.work {
-            Work::NoMode => {}
-            Work::ProfilePosition(mode) => mode.enter(motor),
-            Work::Velocity(mode) => mode.enter(),
-            Work::ProfileVelocity(mode) => mode.enter(),
-            Work::Homing(mode) => mode.enter(),
-            Work::InterpolatedPosition(mode) => mode.enter(),
-            Work::CyclicPosition(mode) => mode.enter(),
-            Work::CyclicVelocity(mode) => mode.enter(motor),
-            Work::ProfileTorque(mode) => mode.enter(),
-            Work::CyclicTorque(mode) => mode.enter(),
+        match &mut self.mode {
+            ActiveMode::NoMode => {}
+            ActiveMode::ProfilePosition(mode) => mode.enter(motor),
+            ActiveMode::Velocity(mode) => mode.enter(),
+            ActiveMode::ProfileVelocity(mode) => mode.enter(),
+            ActiveMode::Homing(mode) => mode.enter(),
+            ActiveMode::InterpolatedPosition(mode) => mode.enter(),
+            ActiveMode::CyclicPosition(mode) => mode.enter(),
+            ActiveMode::CyclicVelocity(mode) => mode.enter(motor),
+            ActiveMode::ProfileTorque(mode) => mode.enter(),
+            ActiveMode::CyclicTorque(mode) => mode.enter(),
         }
     }
 
     /// The velocity that the motor is to keep for good, if that is what the mode at work is after.
     const fn kept_velocity(&self) -> Option<SignedSpeed> {
-        match &self.work {
-            Work::ProfilePosition(mode) => mode.end_velocity(),
-            Work::Velocity(mode) => mode.kept_velocity(),
-            Work::ProfileVelocity(mode) => mode.kept_velocity(),
+        match &self.mode {
+            ActiveMode::ProfilePosition(mode) => mode.end_velocity(),
+            ActiveMode::Velocity(mode) => mode.kept_velocity(),
+            ActiveMode::ProfileVelocity(mode) => mode.kept_velocity(),
             _ => None,
         }
     }
@@ -352,7 +355,7 @@ impl Modes {
             self.halted = false;
             self.slow_down(motor, ramp, commands, configuration);
         }
-        let halts = commands.controlword & HALT != 0 && !matches!(self.work, Work::Homing(_));
+        let halts = commands.controlword & HALT != 0 && !matches!(self.mode, ActiveMode::Homing(_));
         if halts && !self.halted {
             self.halted = true;
             self.slow_down(motor, configuration.halt, commands, configuration);
@@ -374,7 +377,7 @@ impl Modes {
 
     /// Whether data records of interpolated position are kept: not outside of the mode, and not when what it was after is forgotten.
     pub(crate) const fn keeps_records(&self) -> bool {
-        matches!(self.work, Work::InterpolatedPosition(_)) && !self.interrupted
+        matches!(self.mode, ActiveMode::InterpolatedPosition(_)) && !self.interrupted
     }
 
     /// The bits of the statusword that a mode has outside of operation enabled: a master that asks whether home is known need not
@@ -384,7 +387,8 @@ impl Modes {
         motor: &Motor<impl Actuator>,
         configuration: &Configuration,
     ) -> u16 {
-        let shows = matches!(self.work, Work::Homing(_)) && !configuration.homing.starts_afresh();
+        let shows =
+            matches!(self.mode, ActiveMode::Homing(_)) && !configuration.homing.starts_afresh();
         if shows && motor.is_referenced() {
             HOMING_ATTAINED
         } else {
@@ -408,7 +412,7 @@ impl Modes {
             self.set(wanted);
             context.mode = wanted;
             self.enter(context.motor);
-            if let Work::CyclicVelocity(mode) = &mut self.work {
+            if let ActiveMode::CyclicVelocity(mode) = &mut self.mode {
                 mode.go_on_with(kept);
             }
         } else if self.interrupted {
@@ -417,18 +421,18 @@ impl Modes {
         if !wanted.has_profile() {
             context.motor.set_ramps(Ramps::Linear);
         }
-        match &mut self.work {
-            Work::ProfilePosition(mode) if has(Mode::ProfilePosition) => mode.tick(context),
-            Work::Velocity(mode) if has(Mode::Velocity) => mode.tick(context),
-            Work::ProfileVelocity(mode) if has(Mode::ProfileVelocity) => mode.tick(context),
-            Work::Homing(mode) if has(Mode::Homing) => mode.tick(context),
-            Work::InterpolatedPosition(mode) if has(Mode::InterpolatedPosition) => {
+        match &mut self.mode {
+            ActiveMode::ProfilePosition(mode) if has(Mode::ProfilePosition) => mode.tick(context),
+            ActiveMode::Velocity(mode) if has(Mode::Velocity) => mode.tick(context),
+            ActiveMode::ProfileVelocity(mode) if has(Mode::ProfileVelocity) => mode.tick(context),
+            ActiveMode::Homing(mode) if has(Mode::Homing) => mode.tick(context),
+            ActiveMode::InterpolatedPosition(mode) if has(Mode::InterpolatedPosition) => {
                 mode.tick(context)
             }
-            Work::CyclicPosition(mode) if has(Mode::CyclicPosition) => mode.tick(context),
-            Work::CyclicVelocity(mode) if has(Mode::CyclicVelocity) => mode.tick(context),
-            Work::ProfileTorque(mode) if has(Mode::ProfileTorque) => mode.tick(context),
-            Work::CyclicTorque(mode) if has(Mode::CyclicTorque) => mode.tick(context),
+            ActiveMode::CyclicPosition(mode) if has(Mode::CyclicPosition) => mode.tick(context),
+            ActiveMode::CyclicVelocity(mode) if has(Mode::CyclicVelocity) => mode.tick(context),
+            ActiveMode::ProfileTorque(mode) if has(Mode::ProfileTorque) => mode.tick(context),
+            ActiveMode::CyclicTorque(mode) if has(Mode::CyclicTorque) => mode.tick(context),
             _ => 0,
         }
     }
