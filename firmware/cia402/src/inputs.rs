@@ -14,7 +14,7 @@
 //! 60FDh shows the switches in bits 0 (negative limit), 1 (positive limit) and 2 (home), and the bare levels of inputs 1 to 6
 //! in bits 16 to 21.
 
-mod barred;
+mod active_limits;
 mod capture;
 mod source;
 
@@ -23,7 +23,7 @@ use motion::low;
 
 use crate::objects::Objects;
 
-pub(crate) use barred::Barred;
+pub(crate) use active_limits::ActiveLimits;
 pub use capture::{Capture, time_of_edge};
 pub use source::Source;
 pub(crate) use source::{SOURCE, probe_functions};
@@ -339,8 +339,8 @@ impl Switches {
     }
 
     /// The directions in which there is a limit switch.
-    pub(crate) const fn barred(&self) -> Barred {
-        Barred {
+    pub(crate) const fn active_limits(&self) -> ActiveLimits {
+        ActiveLimits {
             reverse: self.negative_limit.state.active,
             forward: self.positive_limit.state.active,
         }

@@ -10,7 +10,7 @@ use motion::{FollowError, Limits, Position, Ramps, SignedSpeed, Speed, low};
 
 use crate::actuator::{Actuator, AtPort, Refused, unwrapped};
 use crate::cyclic::MicrosQ16;
-use crate::inputs::{Barred, Count};
+use crate::inputs::{ActiveLimits, Count};
 
 /// The longest distance of one motion, in steps.
 pub(crate) const REACH: i64 = u32::MAX as i64;
@@ -26,7 +26,7 @@ pub(crate) struct Motor<A> {
     is_reversed: bool,
     /// The home position is known.
     referenced: bool,
-    barred: Barred,
+    active_limits: ActiveLimits,
     /// How the velocity is to change.
     ramps: Ramps,
     /// The deceleration of the stop under way, in steps/s².
@@ -68,7 +68,7 @@ impl<A: Actuator> Motor<A> {
             shift: 0,
             is_reversed: false,
             referenced: false,
-            barred: Barred::default(),
+            active_limits: ActiveLimits::default(),
             ramps: Ramps::Linear,
             stopping: None,
             stops_hard: false,
@@ -180,26 +180,27 @@ impl<A: Actuator> Motor<A> {
         self.actuator.committed_position().abs_diff(position) > position_tolerance.into()
     }
 
-    /// Takes the directions that are barred from now on. Returns whether the motor is running into a limit switch, and has not
+    /// Takes the limit switches that are active from now on. Returns whether the motor is running into a limit switch, and has not
     /// been told to stop there yet.
-    pub(crate) fn meets_limit(&mut self, barred: Barred) -> bool {
-        self.barred = barred;
-        if barred == Barred::default() {
+    pub(crate) fn meets_limit(&mut self, limits: ActiveLimits) -> bool {
+        self.active_limits = limits;
+        if limits == ActiveLimits::default() {
             self.stopping_at_limit = None;
             return false;
         }
         let heading = self.actuator.heading();
-        let into = heading.is_some_and(|direction| barred.bars(direction));
+        let into = heading.is_some_and(|direction| limits.block(direction));
         if !into {
             self.stopping_at_limit = None;
         }
         into && self.stopping_at_limit.is_none()
     }
 
-    /// Whether no limit switch bars a motion of this sign.
+    /// Whether no limit switch blocks a motion of this sign.
     #[inline(never)]
     pub(crate) fn is_free(&self, distance: i64) -> Result<(), Refused> {
-        if distance > 0 && self.barred.forward || distance < 0 && self.barred.reverse {
+        if distance > 0 && self.active_limits.forward || distance < 0 && self.active_limits.reverse
+        {
             Err(Refused)
         } else {
             Ok(())
@@ -319,7 +320,7 @@ impl<A: Actuator> Motor<A> {
     /// Holds a torque, in thousandths of the rated one, from whatever the motor does now.
     ///
     /// # Errors
-    /// A limit switch bars that way, or the actuator has no torque; nothing changes.
+    /// A limit switch blocks that direction, or the actuator has no torque; nothing changes.
     pub(crate) fn hold_torque(&mut self, torque: i16) -> Result<(), Refused> {
         self.is_free(torque.into())?;
         self.actuator.hold_torque(torque).map_err(|_| Refused)?;

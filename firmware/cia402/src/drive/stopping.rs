@@ -5,7 +5,7 @@ use canopen::{Duration, Instant};
 use super::{Drive, Tick};
 use crate::actuator::Actuator;
 use crate::controlword::Command;
-use crate::inputs::Barred;
+use crate::inputs::ActiveLimits;
 use crate::mode::Mode;
 use crate::objects::Objects;
 use crate::option_codes::{Stop, StopRamp};
@@ -136,17 +136,17 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
     /// begins. Returns bit 11 of the statusword.
     pub(super) fn enforce_limit_switches(&mut self) -> u16 {
         let is_homing = self.machine.state() == State::OperationEnabled && self.modes.is_homing();
-        let barred = if is_homing {
-            Barred::default()
+        let active = if is_homing {
+            ActiveLimits::default()
         } else {
-            self.switches.barred()
+            self.switches.active_limits()
         };
-        if self.motor.meets_limit(barred) {
+        if self.motor.meets_limit(active) {
             let deceleration = self.deceleration(StopRamp::QuickStop);
             self.motor.stop_at_limit(deceleration);
             self.modes.limit_met(&self.motor);
         }
-        if barred == Barred::default() {
+        if active == ActiveLimits::default() {
             0
         } else {
             statusword::INTERNAL_LIMIT

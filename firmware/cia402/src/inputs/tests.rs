@@ -201,7 +201,7 @@ fn chattering(active: i32, of: i32, long: i32) -> impl Iterator<Item = bool> {
     (0..1_000).map(move |tick| {
         let level = tick / long * active % of < active;
         bench.see(level, None, None);
-        bench.switches.barred().forward
+        bench.switches.active_limits().forward
     })
 }
 
@@ -402,19 +402,19 @@ fn m61_a_limit_switch_that_touches_between_two_ticks_is_not_left() {
     for _ in 0..5 {
         bench.see(true, None, None);
     }
-    assert!(bench.switches.barred().forward);
+    assert!(bench.switches.active_limits().forward);
     // Every tick finds it open, but it closes for a moment in between.
     for tick in 0..20 {
         bench.see(false, Some(tick), Some(tick));
-        assert!(bench.switches.barred().forward);
+        assert!(bench.switches.active_limits().forward);
     }
     // The break counts from the last touch.
     for _ in 0..2 {
         bench.see(false, None, None);
-        assert!(bench.switches.barred().forward);
+        assert!(bench.switches.active_limits().forward);
     }
     bench.see(false, None, None);
-    assert!(!bench.switches.barred().forward);
+    assert!(!bench.switches.active_limits().forward);
     let edge = bench.switches.positive_limit.state.edge.unwrap();
     assert!((1_006..1_020).contains(&edge), "{edge}");
 }

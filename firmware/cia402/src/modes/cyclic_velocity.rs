@@ -29,7 +29,7 @@ pub(super) struct CyclicVelocity {
     follows: bool,
     is_limited: bool,
     /// A software limit or a limit switch is in the way.
-    is_barred: bool,
+    is_blocked: bool,
     held: bool,
     /// What is asked for.
     velocity: SignedSpeed,
@@ -48,7 +48,7 @@ impl CyclicVelocity {
         Self {
             follows: false,
             is_limited: false,
-            is_barred: false,
+            is_blocked: false,
             held: false,
             velocity: SignedSpeed::ZERO,
             carried_out: SignedSpeed::ZERO,
@@ -80,7 +80,7 @@ impl CyclicVelocity {
         self.follows = false;
         self.goes_on = false;
         self.is_limited = true;
-        self.is_barred = true;
+        self.is_blocked = true;
     }
 
     /// One control tick; returns statusword bits 10 to 12.
@@ -111,7 +111,7 @@ impl CyclicVelocity {
             context.is_halted() && context.motor.standstill(),
             TARGET_REACHED,
         ) | bit(self.is_limited, INTERNAL_LIMIT)
-            | bit(self.follows && !self.is_barred, FOLLOWS)
+            | bit(self.follows && !self.is_blocked, FOLLOWS)
     }
 
     fn take(&mut self, slot: &Slot, context: &mut Context<'_, impl Parts>) {
@@ -139,7 +139,7 @@ impl CyclicVelocity {
         let is_at_rest = context.motor.is_at_rest();
         if is_at_rest && self.velocity == SignedSpeed::ZERO && self.carried_out == SignedSpeed::ZERO
         {
-            self.is_barred = false;
+            self.is_blocked = false;
             self.is_limited = false;
             return;
         }
@@ -210,7 +210,7 @@ impl CyclicVelocity {
         } else {
             velocity
         };
-        self.is_barred = velocity != wanted;
+        self.is_blocked = velocity != wanted;
         if self.carried_out.abs_diff(before.velocity) > Speed::per_second(1) {
             // Somebody else has moved the motor.
             self.carried_out = before.velocity;

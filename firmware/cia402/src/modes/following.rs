@@ -395,7 +395,7 @@ impl Following {
             .min(self.distance.saturating_add(step))
     }
 
-    /// The distance, if no limit switch bars it.
+    /// The distance, if no limit switch blocks it.
     fn outside_limit_switches(distance: i64, context: &Context<'_, impl Parts>) -> i64 {
         let is_free = context.motor.is_free(distance).is_ok();
         if is_free { distance } else { 0 }

@@ -16,17 +16,17 @@ use crate::statusword::INTERNAL_LIMIT;
 #[derive(Debug)]
 pub(super) struct HeldTorque {
     /// A limit of the position is in the way of a torque of this sign; 0 for none.
-    barred: i16,
+    blocked: i16,
 }
 
 impl HeldTorque {
     pub(super) const fn new() -> Self {
-        Self { barred: 0 }
+        Self { blocked: 0 }
     }
 
     /// A limit switch is stopping the motor.
     pub(super) fn limit_met(&mut self, torque: i16) {
-        self.barred = torque.signum();
+        self.blocked = torque.signum();
     }
 
     /// Holds a torque, in thousandths of the rated one. Returns bit 11.
@@ -38,14 +38,14 @@ impl HeldTorque {
         let most = i16::try_from(positive).unwrap_or(i16::MAX);
         let torque = asked.min(most).max(least);
         let sign = torque.signum();
-        if sign != self.barred && sign != 0 {
-            self.barred = 0;
+        if sign != self.blocked && sign != 0 {
+            self.blocked = 0;
         }
         let is_free = context.motor.is_free(torque.into()).is_ok();
         if !is_free || self.is_beyond(sign, context) {
-            self.barred = sign;
+            self.blocked = sign;
         }
-        if self.barred != 0 {
+        if self.blocked != 0 {
             if !context.motor.is_stopping() && !context.motor.standstill() {
                 context.stop_on(StopRamp::QuickStop);
             }

@@ -59,7 +59,7 @@ enum Keeping {
     /// It ends at a limit.
     ToLimit,
     /// It cannot be carried out for now: the motor stands, or comes to rest.
-    Barred,
+    Blocked,
     /// A limit switch has ended it, or kept it from beginning.
     AtSwitch,
 }
@@ -123,7 +123,7 @@ impl KeptVelocity {
             self.order.map(|before| before.asked) != Some(order.asked)
         } else {
             !self.order.is_some_and(|before| order.is_like(before))
-                || self.keeping == Keeping::Barred && motor.is_at_rest()
+                || self.keeping == Keeping::Blocked && motor.is_at_rest()
                 || self.keeping == Keeping::Far && is_within_reach(end_of(order), motor)
         };
         if is_new {
@@ -142,7 +142,7 @@ impl KeptVelocity {
             || match self.keeping {
                 Keeping::None | Keeping::Free | Keeping::Far => false,
                 Keeping::ToLimit => motor.is_ending(),
-                Keeping::Barred | Keeping::AtSwitch => true,
+                Keeping::Blocked | Keeping::AtSwitch => true,
             }
     }
 }
@@ -223,7 +223,7 @@ fn begin(order: Order, motor: &mut Motor<impl Actuator>) -> (Keeping, i64) {
         Some(Ok(keeping)) => keeping,
         Some(Err(_)) | None => {
             stop(motor, limits.deceleration);
-            Keeping::Barred
+            Keeping::Blocked
         }
     };
     held.taken(motor);
