@@ -24,7 +24,7 @@ use crate::commands::Commands;
 use crate::configuration::Configuration;
 use crate::controlword::Command;
 use crate::cyclic::{MicrosQ16, micros_q16};
-use crate::exchange::{Actuals, Exchange, Seen, Share, Waiting};
+use crate::exchange::{Actuals, Exchange, Share, TickResult, Waiting};
 use crate::faults::{EXTERNAL, Faults};
 use crate::inputs::{DigitalInputs, Switches};
 use crate::mode::Mode;
@@ -158,8 +158,8 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
     }
 
     /// For the scope: what there is to see of the last tick beside what it has published.
-    pub(crate) const fn seen<'a>(&'a self, actuals: &'a Actuals) -> Seen<'a> {
-        Seen {
+    pub(crate) const fn result<'a>(&'a self, actuals: &'a Actuals) -> TickResult<'a> {
+        TickResult {
             actuals,
             commands: &self.commands,
             units: self.configuration.units.of_drive::<D>(),

@@ -7,7 +7,7 @@
 mod actuals;
 
 pub use actuals::Actuals;
-pub(crate) use actuals::Seen;
+pub(crate) use actuals::TickResult;
 
 use canopen::Instant;
 use heapless::Deque;

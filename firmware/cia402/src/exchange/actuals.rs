@@ -123,9 +123,9 @@ impl Actuals {
     }
 }
 
-/// A control tick, behind its end.
+/// What a control tick has come to, for the scope.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Seen<'a> {
+pub(crate) struct TickResult<'a> {
     /// What it has published.
     pub(crate) actuals: &'a Actuals,
     /// What it has obeyed.

@@ -9,7 +9,7 @@ use super::memory::Outcome;
 use super::values::bits;
 use crate::actuator::Actuator;
 use crate::drive::Drive;
-use crate::exchange::{Seen, Share};
+use crate::exchange::{Share, TickResult};
 use crate::objects::Objects;
 use crate::scope::{Setup, State, Status};
 
@@ -115,7 +115,7 @@ impl<M: Deref<Target = Memory>> Recorder<M> {
     fn work<D: Objects, A: Actuator, X: Share>(&mut self, drive: &Drive<D, A>, exchange: &mut X) {
         if self.state.is_at_work() {
             let actuals = exchange.lock(|exchange| *exchange.newest());
-            self.advance(&drive.seen(&actuals));
+            self.advance(&drive.result(&actuals));
         } else {
             self.look_around();
         }
@@ -142,7 +142,7 @@ impl<M: Deref<Target = Memory>> Recorder<M> {
     }
 
     /// What there is to do in a tick in which it records.
-    fn advance(&mut self, tick: &Seen<'_>) {
+    fn advance(&mut self, tick: &TickResult<'_>) {
         if self.state == State::Armed && (self.meets_trigger(tick) || self.is_ordered) {
             self.state = State::Triggered;
             self.found = Found {
@@ -164,7 +164,7 @@ impl<M: Deref<Target = Memory>> Recorder<M> {
     }
 
     /// Whether the trigger comes in this tick.
-    fn meets_trigger(&mut self, tick: &Seen<'_>) -> bool {
+    fn meets_trigger(&mut self, tick: &TickResult<'_>) -> bool {
         let trigger = &self.setup.trigger;
         let Some(signal) = trigger.signal else {
             return false;
@@ -175,7 +175,7 @@ impl<M: Deref<Target = Memory>> Recorder<M> {
     }
 
     /// Puts down the values of this tick, one behind the other, the last word filled up with zeros.
-    fn sample(&mut self, tick: &Seen<'_>) {
+    fn sample(&mut self, tick: &TickResult<'_>) {
         let (mut word, mut filled) = (0, 0);
         let mut place = self.next;
         for signal in self.setup.signals() {

@@ -106,7 +106,7 @@ fn channels(signals: &[Signal]) -> [Option<Signal>; CHANNELS] {
 fn packed(setup: &Setup, bench: &Bench<'_>, actuals: &Actuals) -> Vec<u8> {
     let mut bytes = Vec::new();
     for signal in setup.channels.iter().flatten() {
-        let bits = bits(*signal, &bench.rig.drive.seen(actuals));
+        let bits = bits(*signal, &bench.rig.drive.result(actuals));
         bytes.extend_from_slice(&bits.to_le_bytes()[..signal.length() as usize / 8]);
     }
     bytes.resize(bytes.len().next_multiple_of(4), 0);

@@ -3,7 +3,7 @@
 use motion::low;
 
 /// Hands the table to the macro of this name: a value, its object, its length in bits, how to read it, with which feature of the crate it is there, and where it comes
-/// from in a tick ([`crate::exchange::Seen`]).
+/// from in a tick ([`crate::exchange::TickResult`]).
 macro_rules! every_signal {
     ($make:ident) => {
         $make! {
