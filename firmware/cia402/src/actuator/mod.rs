@@ -70,7 +70,7 @@ pub struct TorqueLimits {
 
 /// What is wrong with an actuator.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Trouble {
+pub struct ActuatorErrors {
     /// The motor was without a demand for a moment, and may not have followed (20A2h).
     pub is_late: bool,
     /// The actuator has failed, and where the motor goes is not known.
@@ -109,7 +109,7 @@ pub trait Actuator: 'static {
     }
 
     /// What has been wrong since the last call.
-    fn take_trouble(&mut self) -> Trouble;
+    fn take_errors(&mut self) -> ActuatorErrors;
 
     /// Whether the motor stands: nothing is planned, and all of it is done. As of the start of this tick; at its end, as of then.
     fn standstill(&self) -> bool;

@@ -15,8 +15,8 @@ use motion::{
 };
 
 use super::{
-    Actuator, AtPort, Emitter, EmitterLock, NotSupported, PathEnd, Refused, StepAxis, Torque,
-    TorqueLimits, Trouble, unwrapped,
+    Actuator, ActuatorErrors, AtPort, Emitter, EmitterLock, NotSupported, PathEnd, Refused,
+    StepAxis, Torque, TorqueLimits, unwrapped,
 };
 use crate::board::DriveConfig;
 use crate::configuration::Configuration;
@@ -327,7 +327,7 @@ impl<L: EmitterLock> Actuator for ServoAxis<L> {
     fn torque(&self) -> Option<Torque> { Some(self.torque) }
     fn set_torque(&mut self, limits: TorqueLimits, ahead: i16) { (self.limits, self.ahead) = (limits, ahead); }
     fn set_velocity_ahead(&mut self, velocity: SignedSpeed) { self.velocity_ahead = velocity; }
-    fn take_trouble(&mut self) -> Trouble { self.path.take_trouble() }
+    fn take_errors(&mut self) -> ActuatorErrors { self.path.take_errors() }
     fn standstill(&self) -> bool { self.held.is_none() && self.path.standstill() }
     fn is_at_rest(&self) -> bool { self.held.is_none() && self.path.is_at_rest() }
     fn committed_position(&self) -> i64 { if self.held.is_some() { self.rotor.position } else { self.path.committed_position() } }

@@ -10,7 +10,9 @@ use motion::{
     PulseSink, Ramps, Reference, SignedSpeed, Speed, Ticks, Velocity,
 };
 
-use super::{Actuator, AtPort, NotSupported, PathEnd, Refused, TORQUE_MODES, Trouble, unwrapped};
+use super::{
+    Actuator, ActuatorErrors, AtPort, NotSupported, PathEnd, Refused, TORQUE_MODES, unwrapped,
+};
 use crate::board::{DriveConfig, outlast_tick};
 use crate::configuration::Configuration;
 use crate::cyclic::{MicrosQ16, POINT, Timescale};
@@ -240,10 +242,10 @@ impl<L: EmitterLock, S: PulseSink> AtPort<S> for StepAxis<L> {
 }
 
 impl<L: EmitterLock> Actuator for StepAxis<L> {
-    fn take_trouble(&mut self) -> Trouble {
-        let mut trouble = self.emitter.lock(Emitter::take_trouble);
-        trouble.is_broken |= core::mem::take(&mut self.is_broken);
-        trouble
+    fn take_errors(&mut self) -> ActuatorErrors {
+        let mut errors = self.emitter.lock(Emitter::take_errors);
+        errors.is_broken |= core::mem::take(&mut self.is_broken);
+        errors
     }
 
     fn hold_torque(&mut self, _: i16) -> Result<(), NotSupported> {

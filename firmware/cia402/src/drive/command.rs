@@ -1,7 +1,7 @@
 //! Which command a tick obeys: what the master wrote, and what it wrote too fast to be seen; and the faults that the drive finds itself.
 
 use super::Drive;
-use crate::actuator::{Actuator, Trouble};
+use crate::actuator::{Actuator, ActuatorErrors};
 use crate::controlword::{Command, FAULT_RESET};
 use crate::faults::Reaction;
 use crate::objects::Objects;
@@ -69,7 +69,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
     /// The fault that pulses are that came too late, if 20A2h makes them one: the motor has stopped between two steps, and may stand
     /// anywhere. A planner or an axis that has failed is one always.
     pub(super) fn pulses_late(&mut self) -> Option<Reaction> {
-        let Trouble { is_late, is_broken } = self.motor.take_trouble();
+        let ActuatorErrors { is_late, is_broken } = self.motor.take_errors();
         if is_broken || is_late && self.configuration.late_is_fault {
             self.motor.lose_reference();
             return Some(self.faults.pulses_lost());

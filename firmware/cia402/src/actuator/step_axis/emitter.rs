@@ -3,15 +3,15 @@
 use motion::{AdvanceError, Axis, PulseSink};
 
 use super::directed::Directed;
-use crate::actuator::Trouble;
+use crate::actuator::ActuatorErrors;
 use crate::board::{DriveConfig, outlast_tick};
 
 /// The axis that makes pulses of motions.
 #[derive(Debug)]
 pub struct Emitter {
     pub(super) is_reversed: bool,
-    /// Late are pulses, and all of them are sent; broken is the axis, and some may be missing.
-    trouble: Trouble,
+    /// Late: the pulses are, and all of them are sent. Broken: the axis is, and some may be missing.
+    errors: ActuatorErrors,
     pub(super) axis: Axis,
 }
 
@@ -22,7 +22,7 @@ impl Emitter {
     pub fn new(config: DriveConfig) -> Self {
         Self {
             is_reversed: false,
-            trouble: Trouble::default(),
+            errors: ActuatorErrors::default(),
             // Last, as it is large: so it is made where it stays.
             axis: Axis::new(outlast_tick(config)),
         }
@@ -40,12 +40,12 @@ impl Emitter {
 
     /// After either the motor may not be where the pulses say.
     pub(crate) fn look_at(&mut self, result: Result<(), AdvanceError>) {
-        self.trouble.is_late |= result == Err(AdvanceError::Underrun);
-        self.trouble.is_broken |= result == Err(AdvanceError::Internal);
+        self.errors.is_late |= result == Err(AdvanceError::Underrun);
+        self.errors.is_broken |= result == Err(AdvanceError::Internal);
     }
 
-    pub(super) fn take_trouble(&mut self) -> Trouble {
-        core::mem::take(&mut self.trouble)
+    pub(super) fn take_errors(&mut self) -> ActuatorErrors {
+        core::mem::take(&mut self.errors)
     }
 }
 

@@ -3,7 +3,7 @@
 use motion::{Demand, Direction, FollowError, Limits, Position, Ramps, SignedSpeed, Speed};
 
 use crate::actuator::{
-    Actuator, AtPort, NotSupported, PathEnd, Refused, Torque, Trouble, unwrapped,
+    Actuator, ActuatorErrors, AtPort, NotSupported, PathEnd, Refused, Torque, unwrapped,
 };
 use crate::configuration::Configuration;
 use crate::cyclic::{MicrosQ16, POINT, span};
@@ -143,7 +143,7 @@ impl AtPort<Shaft> for Servo {
 impl Actuator for Servo {
     fn demand(&self) -> Demand { Demand { position: self.committed_position(), velocity: signed(self.velocity) } }
     fn torque(&self) -> Option<Torque> { Some(if let Goal::Torque(actual) = self.goal { Torque { actual, ..Torque::default() } } else { Torque::default() }) }
-    fn take_trouble(&mut self) -> Trouble { Trouble::default() }
+    fn take_errors(&mut self) -> ActuatorErrors { ActuatorErrors::default() }
     fn standstill(&self) -> bool { self.goal == Goal::Rest }
     fn is_at_rest(&self) -> bool { self.goal == Goal::Rest }
     fn committed_position(&self) -> i64 { self.position.round() as i64 }
