@@ -15,10 +15,10 @@
 mod behaviour;
 mod commissioning;
 mod controller;
-mod fleeting;
 mod hooks;
 mod periphery;
 mod storage;
+mod transient;
 
 use canopen::cia301::nmt::{NmtState, Reset};
 use canopen::cia301::sdo::AbortCode;
@@ -83,7 +83,7 @@ pub struct Device<D: Behaves, A = ()> {
     synced: Option<Instant>,
     /// What 5FF0h shows.
     configuration: canopen::Configuration,
-    fleeting: fleeting::Fleeting,
+    transient: transient::TransientStates,
     /// The motor is to stop before the next control tick.
     calls_early: bool,
 }
@@ -115,7 +115,7 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
             counters: Counters::default(),
             unsafe_since: None,
             synced: None,
-            fleeting: fleeting::Fleeting::new(),
+            transient: transient::TransientStates::new(),
             calls_early: false,
         }
     }

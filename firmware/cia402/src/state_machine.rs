@@ -79,7 +79,7 @@ impl State {
     }
 
     /// Whether the drive leaves it by itself, perhaps at once: masters are to see it all the same.
-    pub(crate) const fn is_fleeting(self) -> bool {
+    pub(crate) const fn is_transient(self) -> bool {
         matches!(self, Self::QuickStopActive | Self::FaultReactionActive)
     }
 

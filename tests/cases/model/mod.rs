@@ -251,8 +251,8 @@ impl Comparison {
 
     fn enter(&mut self, state: State) {
         self.passed.insert(0, (self.now, state));
-        let is_fleeting = matches!(state, State::QuickStopActive | State::FaultReactionActive);
-        if is_fleeting && self.table.has_pdos() {
+        let is_transient = matches!(state, State::QuickStopActive | State::FaultReactionActive);
+        if is_transient && self.table.has_pdos() {
             self.unseen.push(state);
         }
     }

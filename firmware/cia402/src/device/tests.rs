@@ -2,9 +2,9 @@
 
 mod application;
 mod dictionary;
-mod fleeting;
 mod network;
 mod rig;
+mod transient;
 
 use std::format;
 

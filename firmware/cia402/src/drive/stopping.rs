@@ -82,7 +82,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
 
     /// Whether the state may end by itself: a transmit PDO has shown it, or nobody has come to do so for long.
     pub(super) fn has_shown(&self, tick: &Tick<'_>) -> bool {
-        !self.machine.state().is_fleeting()
+        !self.machine.state().is_transient()
             || tick.is_seen
             || tick
                 .now

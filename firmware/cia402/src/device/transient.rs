@@ -31,7 +31,7 @@ const STATE_BITS: u32 = 7;
 
 /// How a state that ends by itself is being shown.
 #[derive(Debug)]
-pub(super) struct Fleeting {
+pub(super) struct TransientStates {
     /// The drive was told that somebody may see its states.
     is_watched: bool,
     /// The controller has left the bus.
@@ -42,7 +42,7 @@ pub(super) struct Fleeting {
     is_done: bool,
 }
 
-impl Fleeting {
+impl TransientStates {
     pub(super) const fn new() -> Self {
         Self {
             is_watched: false,
@@ -56,7 +56,7 @@ impl Fleeting {
 impl<D: Behaves, A: Application<D>> Device<D, A> {
     /// Without a bus nobody sees anything.
     pub(super) fn look_at_bus<X: Share>(&mut self, is_bus_off: bool, exchange: &mut X) {
-        self.fleeting.is_bus_off = is_bus_off;
+        self.transient.is_bus_off = is_bus_off;
         self.watch(exchange);
     }
 
@@ -64,9 +64,9 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
     pub(super) fn watch<X: Share>(&mut self, exchange: &mut X) {
         let is_watched = self.phase == Phase::Running
             && self.node.state() == NmtState::Operational
-            && !self.fleeting.is_bus_off;
-        if is_watched != self.fleeting.is_watched {
-            self.fleeting.is_watched = is_watched;
+            && !self.transient.is_bus_off;
+        if is_watched != self.transient.is_watched {
+            self.transient.is_watched = is_watched;
             exchange.lock(|exchange| exchange.watch(is_watched));
         }
     }
@@ -76,10 +76,10 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
         self.watch(exchange);
         // What has left since the last call: the dictionary may show something older now.
         self.tell(exchange);
-        let state = State::from_statusword(actuals.statusword).filter(|state| state.is_fleeting());
-        if state != self.fleeting.state {
-            self.fleeting.state = state;
-            self.fleeting.is_done =
+        let state = State::from_statusword(actuals.statusword).filter(|state| state.is_transient());
+        if state != self.transient.state {
+            self.transient.state = state;
+            self.transient.is_done =
                 state.is_none() || pdos(self.node.dictionary()).next().is_none();
             self.tell(exchange);
         }
@@ -88,14 +88,14 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
     /// Tells the drive that a state is done, and again as long as it lasts: one that it has left and entered again meanwhile shows
     /// in the same PDO.
     fn tell<X: Share>(&self, exchange: &mut X) {
-        if let Some(state) = self.fleeting.state.filter(|_| self.fleeting.is_done) {
+        if let Some(state) = self.transient.state.filter(|_| self.transient.is_done) {
             exchange.lock(|exchange| exchange.state_shown(state));
         }
     }
 
     /// A frame has been taken out to be sent.
     pub(super) fn sees(&mut self, frame: &Frame) {
-        if !self.fleeting.is_done {
+        if !self.transient.is_done {
             self.look_for_state(frame);
         }
     }
@@ -108,8 +108,8 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
         let mut shown = pdos(self.node.dictionary())
             .filter(|(cob_id, _)| Some(*cob_id) == id)
             .filter_map(|(_, bit)| data.checked_shr(bit));
-        self.fleeting.is_done = shown
-            .any(|word| State::from_statusword(low::u16(low::u32(word))) == self.fleeting.state);
+        self.transient.is_done = shown
+            .any(|word| State::from_statusword(low::u16(low::u32(word))) == self.transient.state);
     }
 }
 
