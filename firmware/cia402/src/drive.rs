@@ -185,7 +185,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
     /// as they would have come. `now` and `inputs` are as for [`Drive::tick`], but the digital inputs are not looked at: their edges are for the regular tick.
     ///
     /// It does what concerns the command and the motor. Everything that goes by the regular ticks is left to these: switches and their
-    /// debouncing, the touch probes, data records and set-points of the cyclic modes, the rhythm of the ticks, pulses for a motor
+    /// debouncing, the touch probes, data records and set-points of the cyclic modes, the times of the ticks, pulses for a motor
     /// that moves, the sixteen ticks of the actual velocity, samples of the scope. So no time is shortened and nothing is consumed twice.
     pub fn early_tick<P, X: Share>(
         &mut self,
@@ -214,7 +214,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         const { assert!(D::DRIVE.modes & !A::MODES == 0) };
         let waiting = self.take(is_early, exchange);
         let is_asked = is_early || waiting.has_orders || waiting.is_configured;
-        let command = if self.is_calm(is_asked) {
+        let command = if self.is_unchanged(is_asked) {
             Some(Command::EnableOperation)
         } else {
             self.command()

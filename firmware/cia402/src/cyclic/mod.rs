@@ -4,14 +4,14 @@
 //! are slots: evenly spaced moments, each with its set-point or with none. A slot is decided on once, and what comes for it
 //! later is not used.
 //!
-//! Without SYNC the set-points themselves are the sync events; but the data records of interpolated position have a rhythm of their own, as
+//! Without SYNC the set-points themselves are the sync events; but the data records of interpolated position have a clock of their own, as
 //! a master may write several ahead.
 
 mod buffer;
 mod clock;
 mod pipeline;
 pub(crate) mod pll;
-mod rhythm;
+mod record_clock;
 mod schedule;
 mod sync_event;
 mod timer;
@@ -21,7 +21,7 @@ pub(crate) use buffer::Buffer;
 pub use buffer::{BufferConfiguration, RECORDS};
 pub(crate) use clock::{NetworkClock, Slot, Slots};
 pub(crate) use pipeline::Pipeline;
-pub(crate) use rhythm::Rhythm;
+pub(crate) use record_clock::RecordClock;
 pub(crate) use schedule::Schedule;
 pub use sync_event::SyncEvent;
 pub use timer::TickTimer;

@@ -1,7 +1,7 @@
 //! When control ticks are due in the cyclic modes: in step with the sync events.
 //!
 //! In step, a tick comes a quarter of a tick before each sync event, so that SYNC finds the values of that moment, and as many in between as keep ticks
-//! from being longer than they nominally are. The rhythm is brought into step by at most 1/32 in each tick.
+//! from being longer than they nominally are. The ticks are brought into step by at most 1/32 in each tick.
 //!
 //! The moment before a sync event is the one at which the motor is at a set-point. That was settled when the set-point came, some sync events ago, and
 //! with jitter the loop has moved since: so the tick keeps to that moment ([`Schedule::aim`]), and not to what the loop says by now. At
@@ -15,7 +15,7 @@ use motion::low;
 use super::pll::Pll;
 use super::{MicrosQ16, POINT, micros_q16, span};
 
-/// The rhythm.
+/// The times of the control ticks.
 #[derive(Debug)]
 pub(crate) struct Schedule {
     nominal: MicrosQ16,

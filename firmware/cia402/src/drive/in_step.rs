@@ -5,18 +5,18 @@ use canopen::{Duration, Instant};
 use motion::low;
 
 use crate::cyclic::{
-    Buffer, CyclicConfiguration, MicrosQ16, NetworkClock, POINT, Pipeline, Rhythm, Schedule, Slots,
-    SyncEvent, SyncStatus, micros_q16,
+    Buffer, CyclicConfiguration, MicrosQ16, NetworkClock, POINT, Pipeline, RecordClock, Schedule,
+    Slots, SyncEvent, SyncStatus, micros_q16,
 };
 use crate::exchange::{Exchange, Share, Waiting};
 use crate::mode::Mode;
 
-/// The clock of the network, the rhythm of the control ticks, and what waits.
+/// The clock of the network, the times of the control ticks, and what waits.
 #[derive(Debug)]
 pub(crate) struct Cyclic {
     clock: NetworkClock,
     /// Of the data records, where there is no SYNC.
-    rhythm: Rhythm,
+    record_clock: RecordClock,
     schedule: Schedule,
     pub(crate) pipeline: Pipeline,
     /// The set-points of this tick.
@@ -39,7 +39,7 @@ impl Cyclic {
         Self {
             pipeline: Pipeline::new(ahead, schedule.tick(), schedule.lead()),
             clock: NetworkClock::new(),
-            rhythm: Rhythm::new(),
+            record_clock: RecordClock::new(),
             schedule,
             slots: Slots::new(),
             buffer: Buffer::new(),
@@ -72,7 +72,7 @@ impl Cyclic {
         self.is_new |= begins_anew || waiting.sync_events > 0 || waiting.is_configured;
         let has_records = keeps_records && mode == Mode::InterpolatedPosition;
         if !has_records {
-            self.rhythm.stop();
+            self.record_clock.stop();
         }
         if waiting.clears_records || !has_records {
             self.buffer.clear();
@@ -89,7 +89,7 @@ impl Cyclic {
                 if event.is_sync || !has_records {
                     self.on_sync_event(event, configuration, mode);
                 } else if core::mem::take(&mut is_empty) {
-                    self.rhythm
+                    self.record_clock
                         .on_record(micros_q16(event.at), micros(configuration.period));
                 }
             }
@@ -97,7 +97,7 @@ impl Cyclic {
     }
 
     fn on_sync_event(&mut self, event: SyncEvent, configuration: &CyclicConfiguration, mode: Mode) {
-        self.rhythm.stop();
+        self.record_clock.stop();
         let is_new = match mode {
             Mode::CyclicVelocity => event.velocity.is_some(),
             Mode::CyclicTorque => event.torque.is_some(),
@@ -119,10 +119,10 @@ impl Cyclic {
         if core::mem::take(&mut self.is_new) {
             self.look_at_clock(configuration);
         }
-        if keeps_records && self.rhythm.is_running() {
+        if keeps_records && self.record_clock.is_running() {
             self.slots.clear();
             let waits = self.buffer.len();
-            self.rhythm
+            self.record_clock
                 .pass(now, micros(configuration.period), waits, &mut self.slots);
         }
         for slot in &self.slots {

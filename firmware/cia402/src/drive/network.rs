@@ -46,7 +46,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
     /// What is left of remote control. A reset of the device always stops the motor; otherwise 6007h says what the loss means to a drive
     /// with power.
     pub(super) fn control(&mut self, tick: &Tick<'_>, command: Option<Command>) -> Control {
-        if self.is_calm(tick.is_asked) {
+        if self.is_unchanged(tick.is_asked) {
             return Control::by_network(command);
         }
         let error = self

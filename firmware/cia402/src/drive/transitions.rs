@@ -11,7 +11,7 @@ use crate::state_machine::{Conditions, Stage, State, Transition};
 
 impl<D: Objects, A: Actuator> Drive<D, A> {
     /// Whether operation is enabled as it was in the tick before, and nothing else is asked for: only a fault changes the state.
-    pub(super) fn is_calm(&self, is_asked: bool) -> bool {
+    pub(super) fn is_unchanged(&self, is_asked: bool) -> bool {
         !is_asked && self.machine.stage() == Stage::Settled
     }
 
@@ -35,7 +35,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         let silent = self.set_points_lost();
         let late = self.pulses_late();
         let reaction = detected.or(control.fault).or(silent).or(late);
-        if self.is_calm(tick.is_asked) && reaction.is_none() {
+        if self.is_unchanged(tick.is_asked) && reaction.is_none() {
             return;
         }
         let is_over = self.motor.standstill() && self.is_held_by_brake(now, remote, command);

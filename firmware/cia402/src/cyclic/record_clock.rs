@@ -1,4 +1,4 @@
-//! The rhythm of interpolated position where no SYNC gives one: a slot in each period 60C2h, however far apart records are written.
+//! The clock of interpolated position where there is no SYNC: a slot in each period 60C2h, however far apart records are written.
 //!
 //! A master may write each record when it is due, or several of them in a burst. Writes that come while records wait say nothing about the
 //! moment of a slot. One that finds the buffer empty does: it should come half a period before its slot, so that neither is it
@@ -14,16 +14,16 @@ const PAUSE: u8 = 8;
 /// The longest time by which a record should be ahead of its slot, 20 ms.
 const AHEAD: MicrosQ16 = 20_000 << super::POINT;
 
-/// The rhythm.
+/// The clock of the data records.
 #[derive(Debug)]
-pub(crate) struct Rhythm {
-    /// When the next slot is due; `None` where SYNC gives the rhythm, or no record has come.
+pub(crate) struct RecordClock {
+    /// When the next slot is due; `None` where SYNC is the clock, or no record has come.
     next: Option<MicrosQ16>,
     /// Slots in a row that found no record.
     idle: u8,
 }
 
-impl Rhythm {
+impl RecordClock {
     pub(crate) const fn new() -> Self {
         Self {
             next: None,
@@ -31,7 +31,7 @@ impl Rhythm {
         }
     }
 
-    /// Something else gives the rhythm.
+    /// Something else is the clock.
     pub(crate) const fn stop(&mut self) {
         self.next = None;
     }
@@ -94,11 +94,16 @@ mod tests {
     const MS: MicrosQ16 = 1_000 << super::super::POINT;
 
     /// The slots from `from` to `to` in milliseconds.
-    fn slots(rhythm: &mut Rhythm, from: u64, to: u64, waiting: usize) -> std::vec::Vec<MicrosQ16> {
+    fn slots(
+        clock: &mut RecordClock,
+        from: u64,
+        to: u64,
+        waiting: usize,
+    ) -> std::vec::Vec<MicrosQ16> {
         let mut all = std::vec::Vec::new();
         for now in from..=to {
             let mut slots = Slots::new();
-            rhythm.pass(now * MS, 10 * MS, waiting, &mut slots);
+            clock.pass(now * MS, 10 * MS, waiting, &mut slots);
             all.extend(slots.iter().map(|slot| slot.at));
         }
         all
@@ -106,24 +111,24 @@ mod tests {
 
     #[test]
     fn m68_slots_are_a_period_apart_from_half_a_period_behind_the_first_record_on() {
-        let mut rhythm = Rhythm::new();
-        assert!(slots(&mut rhythm, 0, 100, 0).is_empty());
-        rhythm.on_record(100 * MS, 10 * MS);
+        let mut clock = RecordClock::new();
+        assert!(slots(&mut clock, 0, 100, 0).is_empty());
+        clock.on_record(100 * MS, 10 * MS);
         assert_eq!(
-            slots(&mut rhythm, 101, 140, 5),
+            slots(&mut clock, 101, 140, 5),
             [105 * MS, 115 * MS, 125 * MS, 135 * MS]
         );
         // A record behind its slot, and one ahead of it, move the next one a little.
-        rhythm.on_record(143 * MS, 10 * MS);
-        assert_eq!(slots(&mut rhythm, 144, 150, 1), [145 * MS + 3 * MS / 32]);
-        rhythm.on_record(149 * MS, 10 * MS);
-        let [at] = slots(&mut rhythm, 150, 160, 1)[..] else {
+        clock.on_record(143 * MS, 10 * MS);
+        assert_eq!(slots(&mut clock, 144, 150, 1), [145 * MS + 3 * MS / 32]);
+        clock.on_record(149 * MS, 10 * MS);
+        let [at] = slots(&mut clock, 150, 160, 1)[..] else {
             panic!("one slot");
         };
         assert!(at > 155 * MS && at < 155 * MS + 3 * MS / 32);
         // After a pause they begin anew.
-        assert_eq!(slots(&mut rhythm, 161, 244, 0).len(), 8);
-        rhythm.on_record(250 * MS + 1, 10 * MS);
-        assert_eq!(slots(&mut rhythm, 251, 260, 1), [255 * MS + 1]);
+        assert_eq!(slots(&mut clock, 161, 244, 0).len(), 8);
+        clock.on_record(250 * MS + 1, 10 * MS);
+        assert_eq!(slots(&mut clock, 251, 260, 1), [255 * MS + 1]);
     }
 }
