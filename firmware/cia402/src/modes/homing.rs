@@ -20,7 +20,7 @@
 //! | attained | 0 | 1 | 1 at rest, and not while a limit of the torque keeps the motor from there |
 //! | failed | 1 | 0 | 1 at rest |
 
-use motion::homing::{self as engine, Failure, Fitted, Method, Order, Outcome, Seen};
+use motion::homing::{self as engine, Failure, Fitted, Inputs, Method, Order, Outcome};
 use motion::{Direction, Limits, Speed, low};
 
 use super::{Context, Parts};
@@ -71,11 +71,11 @@ struct Search {
 
 impl Search {
     /// What the engine is told.
-    fn seen(&self, context: &Context<'_, impl Parts>) -> Seen {
-        let seen = seen(context);
-        Seen {
-            position: seen.position.wrapping_sub(self.shift),
-            ..seen
+    fn inputs(&self, context: &Context<'_, impl Parts>) -> Inputs {
+        let inputs = inputs(context);
+        Inputs {
+            position: inputs.position.wrapping_sub(self.shift),
+            ..inputs
         }
     }
 
@@ -163,7 +163,7 @@ impl Homing {
             return self.fail(NO_METHOD);
         };
         let fitted = fitted(&context.configuration.inputs, context.blocked.is_some());
-        match engine::Homing::begin(method, configuration.settings(), fitted, &seen(context)) {
+        match engine::Homing::begin(method, configuration.settings(), fitted, &inputs(context)) {
             Ok(engine) => {
                 self.progress = Progress::UnderWay(Search {
                     engine,
@@ -181,7 +181,7 @@ impl Homing {
         let Progress::UnderWay(search) = &mut self.progress else {
             return;
         };
-        match search.engine.tick(&search.seen(context)) {
+        match search.engine.tick(&search.inputs(context)) {
             Outcome::UnderWay(order) => {
                 if carry_out(order, search, context).is_err() {
                     self.interrupt(context);
@@ -240,9 +240,9 @@ impl Homing {
     }
 }
 
-/// What is seen, in the master's count.
-fn seen(context: &Context<'_, impl Parts>) -> Seen {
-    Seen {
+/// What the engine is told, in the master's count.
+fn inputs(context: &Context<'_, impl Parts>) -> Inputs {
+    Inputs {
         elapsed: context.elapsed,
         position: low::i32(context.position),
         standstill: context.motor.standstill(),

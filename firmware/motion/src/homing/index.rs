@@ -1,11 +1,11 @@
 //! The index pulse: home is the first one behind the edge of the switch, in the direction of the last move.
 
-use super::{Failure, Homing, Order, Phase, Seen, Speed, exceeds};
+use super::{Failure, Homing, Inputs, Order, Phase, Speed, exceeds};
 use crate::Direction;
 
 impl Homing {
     /// Keeps the first index pulse behind an edge that is not noticed yet.
-    pub(super) fn keep_pulse(&mut self, seen: &Seen) {
+    pub(super) fn keep_pulse(&mut self, inputs: &Inputs) {
         let Some(pending) = self.pending else {
             self.early_pulse = None;
             return;
@@ -17,7 +17,7 @@ impl Homing {
         }
         self.early_pulse = self
             .early_pulse
-            .or(seen.index.filter(|pulse| self.is_behind_edge(*pulse)));
+            .or(inputs.index.filter(|pulse| self.is_behind_edge(*pulse)));
     }
 
     pub(super) fn begin_index(&mut self, direction: Direction, edge: i32) -> Order {
@@ -26,12 +26,12 @@ impl Homing {
         self.run(direction, Speed::Zero)
     }
 
-    pub(super) fn run_to_index(&mut self, seen: &Seen) -> Result<Order, Failure> {
-        if let Some(pulse) = seen.index.filter(|pulse| self.is_behind_edge(*pulse)) {
+    pub(super) fn run_to_index(&mut self, inputs: &Inputs) -> Result<Order, Failure> {
+        if let Some(pulse) = inputs.index.filter(|pulse| self.is_behind_edge(*pulse)) {
             return Ok(self.take_index(pulse));
         }
-        self.check_limits(seen, self.direction)?;
-        let gone = seen.position.wrapping_sub(self.edge).unsigned_abs();
+        self.check_limits(inputs, self.direction)?;
+        let gone = inputs.position.wrapping_sub(self.edge).unsigned_abs();
         if exceeds(gone.into(), self.settings.longest_distance_to_index) {
             return Err(Failure::NoIndex);
         }

@@ -55,9 +55,9 @@ pub struct SwitchState {
     pub pending: Option<i32>,
 }
 
-/// What is seen in one tick. Positions are in steps, modulo 2³².
+/// What homing is told in one tick. Positions are in steps, modulo 2³².
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Seen {
+pub struct Inputs {
     /// Microseconds since the tick before.
     pub elapsed: u32,
     /// Where the motor is.
@@ -78,7 +78,7 @@ pub struct Seen {
     pub blocked: bool,
 }
 
-impl Seen {
+impl Inputs {
     /// One of the switches.
     pub(super) const fn switch(&self, switch: Switch) -> SwitchState {
         match switch {

@@ -1,6 +1,6 @@
 //! Homing (CiA 402-2, "homing mode"): finds where zero is, by switches, an index pulse or a hard stop.
 //!
-//! One engine for all methods, driven by one table. In every tick it is told what is seen and says what the motor is to do; it
+//! One engine for all methods, driven by one table. In every tick it is given its inputs and says what the motor is to do; it
 //! knows no bus, no input pin and no speeds. A method that refers to a switch goes like this, from wherever the motor stands:
 //!
 //! 1. Look for the switch at search speed, until its edges passed tell on which side of the wanted one the motor is.
@@ -23,7 +23,7 @@ mod interface;
 mod method;
 
 use crate::Direction;
-pub use interface::{Failure, Fitted, Order, Outcome, Seen, Settings, Speed, SwitchState};
+pub use interface::{Failure, Fitted, Inputs, Order, Outcome, Settings, Speed, SwitchState};
 pub use method::Method;
 use method::{Approach, AtLimit, End, Reference, Switch};
 
@@ -96,7 +96,7 @@ impl Homing {
         method: Method,
         settings: Settings,
         fitted: Fitted,
-        seen: &Seen,
+        inputs: &Inputs,
     ) -> Result<Self, Failure> {
         let method = if settings.other_block_signs {
             method.with_other_sign()
@@ -113,7 +113,7 @@ impl Homing {
                 (
                     is_fitted,
                     approach.search,
-                    seen.switch(approach.switch).active,
+                    inputs.switch(approach.switch).active,
                 )
             }
             Reference::Index(direction) => (true, direction, false),
@@ -135,31 +135,31 @@ impl Homing {
             was_touched: false,
             runs: 0,
             halted: false,
-            position: seen.position,
+            position: inputs.position,
             travelled: 0,
             time: 0,
             blocked_time: 0,
-            edge: seen.position,
+            edge: inputs.position,
             pending: None,
             early_pulse: None,
-            home: seen.position,
+            home: inputs.position,
         })
     }
 
     /// One control tick.
-    pub fn tick(&mut self, seen: &Seen) -> Outcome {
-        match self.step(seen) {
+    pub fn tick(&mut self, inputs: &Inputs) -> Outcome {
+        match self.step(inputs) {
             Ok(outcome) => outcome,
             Err(failure) => Outcome::Failed(failure),
         }
     }
 
-    fn step(&mut self, seen: &Seen) -> Result<Outcome, Failure> {
-        let passed = self.watch(seen)?;
-        let was_halted = core::mem::replace(&mut self.halted, seen.halt);
+    fn step(&mut self, inputs: &Inputs) -> Result<Outcome, Failure> {
+        let passed = self.watch(inputs)?;
+        let was_halted = core::mem::replace(&mut self.halted, inputs.halt);
         // What a halt brings to rest has not arrived.
-        let arrived = seen.standstill && !self.halted && !was_halted;
-        let order = match self.go_on(seen, passed, arrived)? {
+        let arrived = inputs.standstill && !self.halted && !was_halted;
+        let order = match self.go_on(inputs, passed, arrived)? {
             Outcome::UnderWay(order) => order,
             end => return Ok(end),
         };
@@ -173,33 +173,35 @@ impl Homing {
         }))
     }
 
-    /// What the phase makes of what is seen. `passed` is the edge passed in this tick; `arrived` says that the motor has come to
+    /// What the phase makes of what is inputs. `passed` is the edge passed in this tick; `arrived` says that the motor has come to
     /// rest where it was to.
     fn go_on(
         &mut self,
-        seen: &Seen,
+        inputs: &Inputs,
         passed: Option<(i32, bool)>,
         arrived: bool,
     ) -> Result<Outcome, Failure> {
         let order = match self.phase {
             // What was passed before the stop must not be noticed on the way back.
-            Phase::Choosing if arrived && self.pending.is_none() => return self.choose(seen),
-            Phase::Approaching => self.approach(seen)?,
-            Phase::LastMove => self.pass_edge(seen, passed)?,
-            Phase::ToIndex => self.run_to_index(seen)?,
-            Phase::Blocking => self.run_into_block(seen)?,
-            Phase::Blocked if !self.halted => self.back_off(seen),
+            Phase::Choosing if arrived && self.pending.is_none() => return self.choose(inputs),
+            Phase::Approaching => self.approach(inputs)?,
+            Phase::LastMove => self.pass_edge(inputs, passed)?,
+            Phase::ToIndex => self.run_to_index(inputs)?,
+            Phase::Blocking => self.run_into_block(inputs)?,
+            Phase::Blocked if !self.halted => self.back_off(inputs),
             Phase::BackingOff(_) if arrived => {
                 if self.settings.home_is_backed_off {
-                    self.home = seen.position;
+                    self.home = inputs.position;
                 }
                 if self.method.index {
-                    self.begin_index(self.direction.reversed(), seen.position)
+                    self.begin_index(self.direction.reversed(), inputs.position)
                 } else {
                     self.finish()
                 }
             }
-            Phase::Finishing if arrived && self.settings.returns && seen.position != self.home => {
+            Phase::Finishing
+                if arrived && self.settings.returns && inputs.position != self.home =>
+            {
                 self.phase = Phase::Returning;
                 Order::Return(self.home)
             }
@@ -213,15 +215,15 @@ impl Homing {
 
     /// Follows the distance, the time and the edges of the switch. Returns where an edge was passed in this tick, and whether the
     /// switch became active there.
-    fn watch(&mut self, seen: &Seen) -> Result<Option<(i32, bool)>, Failure> {
-        if seen.negative_limit.active && seen.positive_limit.active {
+    fn watch(&mut self, inputs: &Inputs) -> Result<Option<(i32, bool)>, Failure> {
+        if inputs.negative_limit.active && inputs.positive_limit.active {
             return Err(Failure::BothLimits);
         }
-        let gone = seen.position.wrapping_sub(self.position).unsigned_abs();
-        self.position = seen.position;
+        let gone = inputs.position.wrapping_sub(self.position).unsigned_abs();
+        self.position = inputs.position;
         self.travelled = self.travelled.saturating_add(gone.into());
-        if !seen.halt {
-            self.time = self.time.saturating_add(seen.elapsed.into());
+        if !inputs.halt {
+            self.time = self.time.saturating_add(inputs.elapsed.into());
         }
         if exceeds(self.travelled, self.settings.longest_distance)
             || exceeds(self.time / 1000, self.settings.longest_time)
@@ -231,7 +233,7 @@ impl Homing {
         let Reference::Switch(approach) = self.method.reference else {
             return Ok(None);
         };
-        let switch = seen.switch(approach.switch);
+        let switch = inputs.switch(approach.switch);
         let pending = core::mem::replace(&mut self.pending, switch.pending);
         if switch.active == self.was_active {
             self.was_touched |= pending.is_some() && switch.pending.is_none();
@@ -240,42 +242,45 @@ impl Homing {
         self.was_active = switch.active;
         self.was_touched = false;
         self.passed = Some(End::crossed(self.direction, switch.active));
-        Ok(Some((switch.edge.unwrap_or(seen.position), switch.active)))
+        Ok(Some((
+            switch.edge.unwrap_or(inputs.position),
+            switch.active,
+        )))
     }
 
     /// The motor stands: what comes next.
-    fn choose(&mut self, seen: &Seen) -> Result<Outcome, Failure> {
+    fn choose(&mut self, inputs: &Inputs) -> Result<Outcome, Failure> {
         let order = match self.method.reference {
-            Reference::Here => return Ok(Outcome::Attained(seen.position)),
+            Reference::Here => return Ok(Outcome::Attained(inputs.position)),
             Reference::Index(direction) => {
-                self.check_limits(seen, direction)?;
-                self.begin_index(direction, seen.position)
+                self.check_limits(inputs, direction)?;
+                self.begin_index(direction, inputs.position)
             }
             Reference::Block(direction) => {
-                self.check_limits(seen, direction)?;
+                self.check_limits(inputs, direction)?;
                 self.phase = Phase::Blocking;
                 self.run(direction, Speed::Search)
             }
-            Reference::Switch(approach) => self.choose_run(seen, &approach)?,
+            Reference::Switch(approach) => self.choose_run(inputs, &approach)?,
         };
         Ok(Outcome::UnderWay(order))
     }
 
-    fn choose_run(&mut self, seen: &Seen, approach: &Approach) -> Result<Order, Failure> {
+    fn choose_run(&mut self, inputs: &Inputs, approach: &Approach) -> Result<Order, Failure> {
         if self.runs == 0 {
             // Passed before the first run, in who knows which direction.
             self.passed = None;
         }
         let Some(mut direction) = self.heading(approach) else {
             let direction = approach.last();
-            self.check_limits(seen, direction)?;
+            self.check_limits(inputs, direction)?;
             self.phase = Phase::LastMove;
             return Ok(self.run(direction, self.last_speed()));
         };
-        if self.check_limits(seen, direction).is_err() {
+        if self.check_limits(inputs, direction).is_err() {
             self.turn(approach)?;
             direction = self.search;
-            self.check_limits(seen, direction)?;
+            self.check_limits(inputs, direction)?;
         }
         self.runs = self.runs.saturating_add(1);
         if self.runs > MOST_RUNS {
@@ -330,12 +335,12 @@ impl Homing {
         }
     }
 
-    fn approach(&mut self, seen: &Seen) -> Result<Order, Failure> {
+    fn approach(&mut self, inputs: &Inputs) -> Result<Order, Failure> {
         let Reference::Switch(approach) = self.method.reference else {
             return Ok(Order::GoOn);
         };
         if self.heading(&approach) == Some(self.direction) {
-            if self.check_limits(seen, self.direction).is_ok() {
+            if self.check_limits(inputs, self.direction).is_ok() {
                 return Ok(Order::GoOn);
             }
             self.turn(&approach)?;
@@ -344,10 +349,14 @@ impl Homing {
         Ok(Order::Stop)
     }
 
-    fn pass_edge(&mut self, seen: &Seen, passed: Option<(i32, bool)>) -> Result<Order, Failure> {
+    fn pass_edge(
+        &mut self,
+        inputs: &Inputs,
+        passed: Option<(i32, bool)>,
+    ) -> Result<Order, Failure> {
         let Some((edge, rose)) = passed else {
-            self.keep_pulse(seen);
-            self.check_limits(seen, self.direction)
+            self.keep_pulse(inputs);
+            self.check_limits(inputs, self.direction)
                 .map_err(|_| self.at_limit())?;
             return Ok(Order::GoOn);
         };
@@ -358,7 +367,7 @@ impl Homing {
         let early = self.early_pulse.filter(|_| self.edge == self.home);
         // The last move was at the slow speed: it just goes on.
         let order = self.begin_index(self.direction, self.home);
-        let mut pulses = [early, seen.index].into_iter().flatten();
+        let mut pulses = [early, inputs.index].into_iter().flatten();
         Ok(match pulses.find(|pulse| self.is_behind_edge(*pulse)) {
             Some(pulse) => self.take_index(pulse),
             None => order,
@@ -374,13 +383,13 @@ impl Homing {
         }
     }
 
-    fn run_into_block(&mut self, seen: &Seen) -> Result<Order, Failure> {
-        if !seen.blocked {
+    fn run_into_block(&mut self, inputs: &Inputs) -> Result<Order, Failure> {
+        if !inputs.blocked {
             self.blocked_time = 0;
-            self.check_limits(seen, self.direction)?;
+            self.check_limits(inputs, self.direction)?;
             return Ok(Order::GoOn);
         }
-        self.blocked_time = self.blocked_time.saturating_add(seen.elapsed.into());
+        self.blocked_time = self.blocked_time.saturating_add(inputs.elapsed.into());
         if self.blocked_time < u64::from(self.settings.block_time).saturating_mul(1000) {
             return Ok(Order::GoOn);
         }
@@ -389,13 +398,13 @@ impl Homing {
     }
 
     /// The pulses have been dropped: the motor is where it was blocked.
-    fn back_off(&mut self, seen: &Seen) -> Order {
-        self.home = seen.position;
+    fn back_off(&mut self, inputs: &Inputs) -> Order {
+        self.home = inputs.position;
         let distance = self.settings.back_off.min(i32::MAX.cast_unsigned());
         let distance = distance
             .cast_signed()
             .wrapping_mul(self.direction.reversed().sign());
-        let target = seen.position.wrapping_add(distance);
+        let target = inputs.position.wrapping_add(distance);
         self.phase = Phase::BackingOff(target);
         Order::Go(target)
     }
@@ -436,10 +445,10 @@ impl Homing {
 
     /// Whether no limit switch forbids this direction; the one that is looked for does not.
     #[inline(never)]
-    fn check_limits(&self, seen: &Seen, direction: Direction) -> Result<(), Failure> {
+    fn check_limits(&self, inputs: &Inputs, direction: Direction) -> Result<(), Failure> {
         let (switch, state) = match direction {
-            Direction::Forward => (Switch::PositiveLimit, seen.positive_limit),
-            Direction::Reverse => (Switch::NegativeLimit, seen.negative_limit),
+            Direction::Forward => (Switch::PositiveLimit, inputs.positive_limit),
+            Direction::Reverse => (Switch::NegativeLimit, inputs.negative_limit),
         };
         let is_sought = matches!(
             self.method.reference,

@@ -140,7 +140,7 @@ pub fn homing(homing: &mut Option<Homing>) {
         edge: (any() == 0).then(|| any() as i32),
         pending: (any() == 0).then(|| any() as i32),
     };
-    let seen = homing::Seen {
+    let inputs = homing::Inputs {
         elapsed: any(),
         position: any() as i32,
         standstill: any() == 0,
@@ -152,7 +152,7 @@ pub fn homing(homing: &mut Option<Homing>) {
         blocked: any() == 0,
     };
     if let Some(homing) = homing {
-        if let homing::Outcome::Attained(home) = homing.tick(&seen) {
+        if let homing::Outcome::Attained(home) = homing.tick(&inputs) {
             look(home as u32);
         }
         return;
@@ -178,7 +178,7 @@ pub fn homing(homing: &mut Option<Homing>) {
         block: any() == 0,
     };
     *homing = Method::from_code(any() as i8)
-        .and_then(|method| Homing::begin(method, settings, fitted, &seen).ok());
+        .and_then(|method| Homing::begin(method, settings, fitted, &inputs).ok());
 }
 
 /// A timer that may say anything.

@@ -38,13 +38,13 @@ impl Track {
     }
 }
 
-/// A switch, as it is and as it is seen.
+/// A switch, as it is and as it is inputs.
 #[derive(Debug)]
 struct Switch {
     range: Option<Range>,
     hysteresis: i64,
     active: bool,
-    /// Where it left the level that is seen.
+    /// Where it left the level that is inputs.
     edge: Option<i32>,
     /// In how many ticks it has not been at that level.
     changing: usize,
@@ -153,12 +153,12 @@ impl Bench {
         self.velocity
     }
 
-    pub(crate) fn seen(&mut self) -> Seen {
+    pub(crate) fn inputs(&mut self) -> Inputs {
         let [negative_limit, positive_limit, home] = self
             .switches
             .each_mut()
             .map(|switch| switch.look(self.track.latency));
-        Seen {
+        Inputs {
             elapsed: 1_000,
             position: self.position as i32,
             standstill: self.velocity == 0
@@ -256,13 +256,13 @@ impl Bench {
     /// Begins a method.
     pub(crate) fn begin(&mut self, code: i8, settings: Settings) -> Result<Homing, Failure> {
         let method = Method::from_code(code).unwrap();
-        let seen = self.seen();
-        Homing::begin(method, settings, self.fitted(), &seen)
+        let inputs = self.inputs();
+        Homing::begin(method, settings, self.fitted(), &inputs)
     }
 
     /// One control tick of the engine and the motor.
     pub(crate) fn tick(&mut self, homing: &mut Homing) -> Outcome {
-        let outcome = homing.tick(&self.seen());
+        let outcome = homing.tick(&self.inputs());
         match outcome {
             Outcome::UnderWay(order) => self.obey(order),
             Outcome::Attained(_) | Outcome::Failed(_) => {}
