@@ -97,7 +97,7 @@ impl<'a, R: Registers> Output<'a, R> {
             pulses: 0,
             counted: PulseCount::new(0, 0),
         };
-        output.let_out();
+        output.enable_outputs();
         output
     }
 
@@ -180,7 +180,7 @@ impl<'a, R: Registers> Output<'a, R> {
 
     /// Everything taken has been played, and the counter may have missed some of it: the drive has been told, and goes on from what it shows. Changes
     /// of direction would lie at the wrong pulses otherwise.
-    fn believe_counter(&mut self) {
+    fn resync_to_counter(&mut self) {
         let count = self.registers.read(Register::CounterCnt);
         if count != self.pulses {
             self.pulses = count;
@@ -232,7 +232,7 @@ impl<'a, R: Registers> Output<'a, R> {
                 self.reset();
             }
             self.failed = false;
-            self.let_out();
+            self.enable_outputs();
             // Behind that: the break may have ended just now, and before that its flag stays. It would end the next train.
             self.registers.write(Register::Sr, !bits::BIF);
         }
@@ -360,12 +360,12 @@ impl<'a, R: Registers> Output<'a, R> {
         set_up::timer(&mut self.registers, self.ring);
         if !was_broken {
             // If a break has come since, its flag is set.
-            self.let_out();
+            self.enable_outputs();
         }
     }
 
     /// Drives the outputs, unless the break input is active.
-    fn let_out(&mut self) {
+    fn enable_outputs(&mut self) {
         self.registers
             .write(Register::Bdtr, bits::BREAK | bits::MOE);
     }

@@ -340,7 +340,7 @@ impl Stepper {
     /// How many ticks ago the last of the steps due was crossed, where it is so slow that a tick is less than 2⁻³² steps.
     fn since_crossing(&self, count: u32) -> Option<u32> {
         let exact = self.polynomial.exact();
-        if count != 1 || exact.velocity == 0 || !exact.rounded().velocity.creeps() {
+        if count != 1 || exact.velocity == 0 || !exact.rounded().velocity.is_below_resolution() {
             return None;
         }
         let step = self.train.steps.wrapping_add(self.due(exact));

@@ -119,7 +119,7 @@ impl<R: Registers> PulseSink for Output<'_, R> {
             if self.is_broken() {
                 return Err(record);
             }
-            self.believe_counter();
+            self.resync_to_counter();
         }
         if self.counted.direction() != record.direction {
             let count = self.registers.read(Register::CounterCnt);
