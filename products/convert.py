@@ -103,7 +103,7 @@ def choose(rows, file):
         for column, cell in row.items():
             if cell and column not in ("index", "sub", "description"):
                 old = told[key(row)][column]
-                assert not number(old) or column != "default", f"{row['index']}:{row['sub']}: the manual tells {column}"
+                assert not number(old) or column != "default" or cell[0] == ";", f"{row['index']}:{row['sub']}: the manual tells {column}"
                 told[key(row)][column] = cell
     rows.sort(key=key)
     return {key(row): row["description"] for row in chosen}
@@ -130,6 +130,9 @@ def describe_channels(rows, chosen):
         default = number(value["default"]) or (0 if low[0] <= 0 <= high[0] else low[0], False)
         facts = (low[0], high[0], default[0], 5 if signed else 4, attributes)
         for sub, fact in enumerate(facts, 2):
+            if sub not in subs:
+                # Of a channel that is chosen there is the value alone.
+                break
             subs[sub] |= {"access": "const", "default": str(fact), "min": "", "max": ""}
     channels[CHANNELS.start][1] |= {"access": "const", "default": str(max(channels) - CHANNELS.start)}
     chosen[CHANNELS.start, 1] = "from here to the last one"
@@ -261,10 +264,10 @@ class Sheet:
         if (index, sub) in self.chosen:
             self.put(f"; Chosen, as the manual does not tell: {self.chosen[index, sub]}.")
         text = []
-        if data_type in STRINGS:
-            if row["default"].startswith(";"):
-                text.append(row["default"])
-            elif row["default"]:
+        if row["default"].startswith(";"):
+            text.append(row["default"])
+        elif data_type in STRINGS:
+            if row["default"]:
                 text.append(f"DefaultValue={row['default']}")
         elif data_type in SIZES:
             text += self.numbers(data_type, row)

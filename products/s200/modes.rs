@@ -16,6 +16,7 @@ use super::Seen;
 
 const DIGITAL_VELOCITY: i64 = -128;
 const ANALOGUE_VELOCITY: i64 = -127;
+pub(super) const GEARING: i64 = -124;
 const MOTION_TASK: i64 = -120;
 
 /// ACCR and DECR, for jog.
@@ -67,7 +68,7 @@ pub(super) fn check<D: Dictionary>(
     value: i64,
 ) -> Result<(), AbortCode> {
     let is_known = match (entry.index, entry.sub) {
-        (0x35B4, 1) => [0, 1, 8].contains(&value),
+        (0x35B4, 1) => [0, 1, 4, 8].contains(&value),
         (0x35CF, 1) => (0..=1).contains(&value),
         (0x35AD, 1) => METHODS.iter().any(|(_, kind, _)| *kind == value),
         (0x352C, 1) => {
@@ -178,7 +179,7 @@ impl Modes {
         let own = chosen(dictionary);
         let stands_for = match own {
             MOTION_TASK => 1,
-            DIGITAL_VELOCITY | ANALOGUE_VELOCITY => 3,
+            DIGITAL_VELOCITY | ANALOGUE_VELOCITY | GEARING => 3,
             mode => mode,
         };
         let is_aside = is_task || self.jog != Jog::None;

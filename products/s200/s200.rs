@@ -1,10 +1,12 @@
-//! What the S200 does that is no data: motion tasks, the commands among its parameters and its command engine, its own modes, limits of speed,
-//! warnings that become faults, and status words.
+//! What the S200 does that is no data: motion tasks, the commands among its parameters, its command engine and its text interface, its own modes,
+//! limits of speed, warnings that become faults, and status words.
 //!
 //! Where its manual gives no coding or unit, those of its series hold; each place says so.
 
 mod commands;
+mod gearing;
 mod modes;
+mod prompt;
 mod status;
 mod tasks;
 
@@ -19,7 +21,9 @@ use cia402::units::Units;
 use cia402::{Objects, State};
 
 use commands::Orders;
+use gearing::Gearing;
 use modes::Modes;
+use prompt::Prompt;
 use status::Status;
 use tasks::{Faulty, Tasks};
 
@@ -36,6 +40,8 @@ struct Seen {
     velocity: i32,
     /// 60FDh.
     inputs: u32,
+    /// The external encoder.
+    counter: i32,
     is_enabled: bool,
     has_power: bool,
     is_referenced: bool,
@@ -57,6 +63,7 @@ impl Default for Seen {
             internal: 0,
             velocity: 0,
             inputs: 0,
+            counter: 0,
             is_enabled: false,
             has_power: false,
             is_referenced: false,
@@ -80,6 +87,7 @@ impl Seen {
             internal: actuals.position_actual_internal,
             velocity: actuals.velocity_actual,
             inputs: actuals.digital_inputs,
+            counter: actuals.counter,
             is_enabled: State::from_statusword(actuals.statusword) == Some(State::OperationEnabled),
             has_power: actuals.has_power(),
             is_referenced: actuals.referenced,
@@ -99,6 +107,8 @@ pub struct Module {
     tasks: Tasks,
     orders: Orders,
     modes: Modes,
+    gearing: Gearing,
+    prompt: Prompt,
     status: Status,
     asks: Asks,
     /// Power-on values are loaded, and the stored ones may not be yet.
@@ -179,6 +189,8 @@ impl Behaviour for Module {
         }
         let value = od::number(entry, value).unwrap_or(0);
         modes::check(dictionary, entry, value)?;
+        gearing::check(entry, value)?;
+        self.prompt.check(entry, value)?;
         self.orders.check(dictionary, entry, value, &self.seen)
     }
 
@@ -218,7 +230,19 @@ impl Behaviour for Module {
         self.orders
             .written(dictionary, entry, &seen, &mut self.asks);
         self.modes.written(dictionary, entry, &seen, &mut self.asks);
+        gearing::written(dictionary, entry);
+        self.prompt.written(dictionary, entry, &mut self.asks);
         self.status.written(entry);
+    }
+
+    fn read<D: Dictionary + Objects>(&mut self, dictionary: &D, entry: &Entry) -> Option<i64> {
+        let _ = dictionary;
+        self.prompt.read(entry)
+    }
+
+    fn wrote<D: Dictionary + Objects>(&mut self, dictionary: &D, result: Result<(), AbortCode>) {
+        let _ = dictionary;
+        self.prompt.wrote(result);
     }
 
     fn look<D: Dictionary + Objects>(&mut self, dictionary: &mut D, view: &View<'_>) {
@@ -227,6 +251,7 @@ impl Behaviour for Module {
             // Nothing is new since the last tick, and a frame on a busy bus has no time to lose.
             (self.seen.is_storing, self.seen.state) = (seen.is_storing, seen.state);
             self.modes.show(dictionary, &seen, self.tasks.takes_mode());
+            self.gearing.show(dictionary, &seen);
             self.status.show_again(dictionary);
             return;
         }
@@ -238,6 +263,10 @@ impl Behaviour for Module {
         if before.ticked < seen.ticked {
             self.asks.commands |= self.tasks.tick(dictionary, &seen);
             self.asks.commands |= self.modes.tick(dictionary, &seen);
+            let elapsed = seen.ticked.checked_duration_since(before.ticked);
+            let elapsed = elapsed.and_then(|elapsed| u32::try_from(elapsed.ticks()).ok());
+            let elapsed = elapsed.unwrap_or(u32::MAX);
+            self.asks.commands |= self.gearing.tick(dictionary, &seen, elapsed);
             self.asks.commands |= self.orders.tick(dictionary, &seen, &mut self.asks);
             // NREFMT: a task behind homing.
             let is_home = |seen: &Seen| seen.mode == 6 && seen.statusword & 0x1400 == 0x1400;
@@ -247,6 +276,7 @@ impl Behaviour for Module {
             }
         }
         self.modes.show(dictionary, &seen, self.tasks.takes_mode());
+        self.gearing.show(dictionary, &seen);
         let is_jogging = self.modes.is_jogging();
         self.asks.commands |= self.status.show(dictionary, &seen, is_jogging);
     }
@@ -258,6 +288,7 @@ impl Behaviour for Module {
         commands: &mut Commands,
     ) {
         let seen = self.seen;
+        self.gearing.command(dictionary, units, &seen, commands);
         self.modes.command(dictionary, units, &seen, commands);
         self.tasks.command(dictionary, units, &seen, commands);
         self.orders.command(&seen, commands);

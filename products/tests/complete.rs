@@ -50,3 +50,15 @@ fn s200_is_complete() {
 fn tc1_is_complete() {
     is_complete("tc1", products::tc1::Dictionary::TABLE, 130);
 }
+
+/// The names of the S200's text interface are those of its parameters.
+#[test]
+fn names_of_the_s200_are_those_of_its_table() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("s200");
+    let mut rows = csv::Reader::from_reader(File::open(folder.join("objects.csv")).unwrap());
+    let rows = rows.records().map(Result::unwrap);
+    let told = rows.filter(|row| (0x3500..0x3CD0).contains(&number(&row[0])) && &row[1] == "1");
+    let told = told.map(|row| format!("{} {}\n", &row[0][2..], row[2].split(':').next().unwrap()));
+    let names = std::fs::read_to_string(folder.join("names.txt")).unwrap();
+    assert_eq!(names, told.collect::<String>());
+}

@@ -52,7 +52,8 @@
 use crate::od::{Dictionary, Entry};
 use crate::wire::sdo::AbortCode;
 
-/// The application's word on its own objects (everything outside 1000h to 1FFFh). The calls are short and never wait.
+/// The application's word on its own objects (everything outside 1000h to 1FFFh, and there the clock 1013h and the operating system, 1023h to
+/// 1026h). The calls are short and never wait.
 ///
 /// An object with [`Attributes::STREAMED`](crate::od::Attributes::STREAMED) has no bytes in the dictionary: the application gives and takes its value piece by piece, at
 /// positions in bytes from 0. One client at a time writes an object, and none begins or ends a write while another one reads it:

@@ -53,6 +53,8 @@ pub struct Asks {
     pub reset: bool,
     /// 1010h or 1011h is to be carried out with this sub-index, unless the store is busy.
     pub order: Option<(u16, u8)>,
+    /// An object is to get this number, as if a master had written it; [`Behaviour::wrote`] learns what came of it.
+    pub write: Option<(u16, u8, i64)>,
     /// An emergency message: this error has come (true) or is gone.
     pub error: Option<(u16, bool)>,
 }
@@ -84,6 +86,17 @@ pub trait Behaviour: Default + core::fmt::Debug + 'static {
     /// An object was written.
     fn written<D: Dictionary + Objects>(&mut self, dictionary: &mut D, entry: &Entry) {
         let _ = (dictionary, entry);
+    }
+
+    /// A number that the data sheet leaves to the module (`;Memory=application`) is read; `None` if it is not the module's.
+    fn read<D: Dictionary + Objects>(&mut self, dictionary: &D, entry: &Entry) -> Option<i64> {
+        let _ = (dictionary, entry);
+        None
+    }
+
+    /// What [`Asks::write`] has come to.
+    fn wrote<D: Dictionary + Objects>(&mut self, dictionary: &D, result: Result<(), AbortCode>) {
+        let _ = (dictionary, result);
     }
 
     /// The drive has published what it does.

@@ -372,7 +372,7 @@ pub(super) fn give_to_application(
 ) {
     let message = if !note.eq_ignore_ascii_case("application") {
         format!("Memory `{note}` is not application")
-    } else if index < 0x2000 {
+    } else if index < 0x2000 && !(0x1023..=0x1026).contains(&index) {
         format!("{index:04X}h belongs to the communication, which has its memory")
     } else if entry.pdo_mapping {
         "a PDO carries only what the dictionary has".into()

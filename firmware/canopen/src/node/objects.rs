@@ -169,9 +169,10 @@ impl<D: Dictionary, A: Application<D>> Objects<'_, D, A> {
     }
 }
 
-/// Whether an object belongs to the communication profile, whose objects this crate owns (CiA 301, table 39).
+/// Whether an object belongs to the communication profile, whose objects this crate owns (CiA 301, table 39). The clock 1013h and what belongs to
+/// the operating system of the device, 1023h to 1026h, are the application's.
 pub(super) const fn is_communication_object(entry: &Entry) -> bool {
-    entry.index >> 12 == 1
+    entry.index >> 12 == 1 && !matches!(entry.index, 0x1013 | 0x1023..=0x1026)
 }
 
 impl<D: Dictionary, A: Application<D>> sdo::Objects for Objects<'_, D, A> {

@@ -14,6 +14,7 @@ use crate::cia301::sdo::{self, AbortCode, Others};
 use crate::od::{self, Dictionary, Entry};
 use crate::settings::StoreError;
 use crate::time::Instant;
+use crate::wire::sdo::Multiplexer;
 
 /// The objects that are loaded at a reset; the identity object has nothing that is stored.
 const fn loaded_at(reset: Reset) -> RangeInclusive<u16> {
@@ -53,6 +54,30 @@ impl<D: Dictionary> Node<D> {
         {
             self.services.parameters.begin(entry);
         }
+    }
+
+    /// Writes an object as an SDO client does, by all rules: for a text interface or a program in the device. A write that is to be completed later
+    /// goes on.
+    ///
+    /// # Errors
+    /// It is refused with this code, and nothing has changed.
+    pub fn write<A: Application<D>>(
+        &mut self,
+        (index, sub): (u16, u8),
+        value: &[u8],
+        now: Instant,
+        application: &mut A,
+    ) -> Result<(), AbortCode> {
+        let mut objects = Objects {
+            dictionary: &mut self.dictionary,
+            application,
+            services: &mut self.services,
+            others: Others::none(),
+            now,
+            number: [0; 8],
+        };
+        let entry = sdo::Objects::writable(&mut objects, Multiplexer { index, sub })?;
+        sdo::Objects::write(&mut objects, entry, value).map(|_| ())
     }
 
     /// Ends a boot: what is stored takes the place of the power-on values, as far as it fits this device. What is damaged or

@@ -1,7 +1,7 @@
 //! What the module of a product asks for beside commands.
 
 use canopen::cia301::nmt::Reset;
-use canopen::{Application, Instant};
+use canopen::{Application, Instant, od};
 
 use super::{Device, Phase};
 use crate::behaviour::{Behaves, Behaviour};
@@ -15,6 +15,13 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
             return;
         }
         let asks = self.hooks.behaviour.asks();
+        if let Some((index, sub, number)) = asks.write {
+            let size = od::find::<D>(index, sub).map_or(0, |entry| usize::from(entry.size()));
+            let bytes = number.to_le_bytes();
+            let value = bytes.get(..size).unwrap_or_default();
+            let result = self.node.write((index, sub), value, now, &mut self.hooks);
+            self.hooks.behaviour.wrote(self.node.dictionary(), result);
+        }
         if asks.configuration {
             self.hooks.touch();
         } else if asks.commands {

@@ -369,6 +369,14 @@ impl<D: Behaves, A: Application<D>> Application<D> for Hooks<A, D::Behaviour> {
             }
             return Ok(rest.len().min(into.len()));
         }
+        if D::Behaviour::IS_THERE
+            && let Some(number) = self.behaviour.read(dictionary, entry)
+        {
+            for (to, byte) in into.iter_mut().zip(number.to_le_bytes()) {
+                *to = byte;
+            }
+            return Ok(into.len());
+        }
         self.application.read_at(dictionary, entry, position, into)
     }
 
