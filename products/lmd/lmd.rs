@@ -1,10 +1,13 @@
-//! What the LMD does that is no data: the inhibit input, filters of inputs, capture or trip, the targets of its set-points, reactions to a following
-//! error, the temperature of its board.
+//! What the LMD does that is no data: the inhibit input, filters of inputs, limits, capture or trip, the targets of its set-points, an encoder that is
+//! followed, reactions to errors, supplies and the temperature of its board.
 //!
 //! What its manual leaves open: "override" is a command that counts while the inhibit input is active, "overwrite" one that takes the place of the
 //! controlword; a trip is a pulse of one control tick at output 3, when the demand passes the point in either direction.
 
+mod errors;
+mod following;
 mod inhibit;
+mod limits;
 mod trip;
 
 use canopen::Instant;
@@ -16,15 +19,22 @@ use cia402::controlword::{CHANGE_IMMEDIATELY, NEW_SET_POINT, RELATIVE};
 use cia402::units::Units;
 use cia402::{Objects, State};
 
+use errors::{FOLLOWING_ERROR, HOT, Plausibility, Told, WARM};
+use following::Following;
 use inhibit::Inhibit;
+use limits::Limits;
 use trip::Trip;
 
 /// Objects of our own, which parameters of the drive are read from or shown in.
 const DEBOUNCE: u16 = 0x5F00;
-const RELEASE_TIME: u16 = 0x5F01;
+const QUICK_STOP: u16 = 0x5F01;
 const CAPTURES: u16 = 0x5F02;
 const FILTERED: u16 = 0x5F03;
 const RAW: u16 = 0x5F04;
+const HOME_OFFSET: u16 = 0x5F09;
+
+/// 605Ah of an error that keeps the power on.
+const STAYS: i64 = 6;
 
 /// 2031h: the trip output takes the place of the capture input.
 const HAS_TRIP: i64 = 1 << 2;
@@ -32,15 +42,13 @@ const HAS_TRIP: i64 = 1 << 2;
 /// Outputs are off at this temperature, whatever the thresholds are.
 const HOTTEST: i64 = 85;
 
-/// Causes of our own in the table of errors: the board is warm, it is hot, the motor is not where it should be.
-const WARM: u16 = 0x4311;
-const HOT: u16 = 0x4212;
-const FOLLOWING_ERROR: u16 = 0x8613;
-
 /// So many control ticks behind a set-point the statusword tells of it.
 const SETTLED: u8 = 3;
 
 /// 6041h.
+const WARNING: u16 = 1 << 7;
+const REACHED: u16 = 1 << 10;
+const INTERNAL_LIMIT: u16 = 1 << 11;
 const ACKNOWLEDGE: u16 = 1 << 12;
 const IS_BEHIND: u16 = 1 << 13;
 
@@ -49,6 +57,10 @@ const IS_BEHIND: u16 = 1 << 13;
 pub struct Module {
     inhibit: Inhibit,
     trip: Trip,
+    limits: Limits,
+    following: Following,
+    told: Told,
+    plausibility: Plausibility,
     asks: Asks,
     statusword: u16,
     position: i32,
@@ -62,12 +74,17 @@ pub struct Module {
     since: u8,
     ticked: Option<Instant>,
     captures: i64,
-    is_warm: bool,
+    /// A supply is out of its range.
+    is_warned: bool,
     is_hot: bool,
     is_behind: bool,
     /// The bridge is off until the controlword is written anew.
     is_disabled: bool,
+    /// A motor that was idle in a move is stopped until then, with its power.
+    is_stopped: bool,
     fault: Option<u16>,
+    /// What the hardware has found: it stands until the power goes.
+    broken: Option<u16>,
 }
 
 impl Module {
@@ -88,13 +105,27 @@ impl Module {
         }
     }
 
-    /// What hangs on the set-up: one filter for the home switch and the limits, the longest of theirs; the delays before motion add up.
+    /// What hangs on the set-up: one filter for the home switch and the limits, the longest of theirs; the index pulse, which counts as if it were elsewhere.
     fn set_up<D: Dictionary>(&mut self, dictionary: &mut D) {
         let switches = (1..=3).fold(0, |all, sub| all | number(dictionary, 0x2002, sub));
         let time = inhibit::filter(dictionary, switches);
-        put_number(dictionary, DEBOUNCE, 0, time);
-        let release = number(dictionary, 0x2034, 1) + number(dictionary, 0x2035, 2);
-        put_number(dictionary, RELEASE_TIME, 0, release.min(0xFFFF));
+        let code = number(dictionary, 0x605A, 0);
+        let has_index = matches!(number(dictionary, 0x6098, 0), 1..=14 | 33 | 34);
+        let index = if has_index {
+            number(dictionary, 0x2099, 0)
+        } else {
+            0
+        };
+        let offset = number(dictionary, 0x607C, 0).saturating_add(index);
+        for (index, value) in [
+            (DEBOUNCE, time),
+            (QUICK_STOP, if self.is_stopped { STAYS } else { code }),
+            (HOME_OFFSET, offset),
+        ] {
+            put_number(dictionary, index, 0, value);
+        }
+        self.limits.set_up(dictionary);
+        self.following.set_up(dictionary);
         self.asks.configuration = true;
     }
 
@@ -117,79 +148,54 @@ impl Module {
         let temperature = number(dictionary, 0x2019, 1);
         put_number(dictionary, 0x2018, 1, temperature);
         let is_warm = temperature >= number(dictionary, 0x2018, 2);
-        if is_warm != self.is_warm {
-            self.is_warm = is_warm;
-            self.asks.error = Some((WARM, is_warm));
-        }
+        self.told.set(WARM, is_warm);
         self.is_hot = temperature >= number(dictionary, 0x2018, 3).min(HOTTEST);
     }
 
-    /// 2712h: what a following error leads to.
-    fn look_at_following<D: Dictionary>(&mut self, dictionary: &D) {
-        let is_behind = self.statusword & IS_BEHIND != 0 && number(dictionary, 0x6061, 0) == 1;
-        if is_behind == self.is_behind {
-            return;
-        }
-        self.is_behind = is_behind;
-        let code = number(dictionary, 0x2712, 0);
-        if code == 4 {
-            self.asks.error = Some((FOLLOWING_ERROR, is_behind));
-        }
-        self.is_disabled |= is_behind && matches!(code, 2 | 4);
-    }
-}
-
-impl Behaviour for Module {
-    fn power_on<D: Dictionary + Objects>(&mut self, dictionary: &mut D) {
-        *self = Self::default();
-        self.set_up(dictionary);
+    /// 2014h and 2016h: supply of the electronics and battery, each with its range; 2017h is what the battery holds.
+    fn look_at_supplies<D: Dictionary>(&mut self, dictionary: &mut D) {
+        let is_outside = |index| {
+            let [voltage, low, high] = [1, 2, 3].map(|sub| number(dictionary, index, sub));
+            voltage < low || high != 0 && voltage > high
+        };
+        self.is_warned = is_outside(0x2014) || is_outside(0x2016);
+        let battery = number(dictionary, 0x2016, 1);
+        put_number(dictionary, 0x2017, 0, battery);
     }
 
-    fn check<D: Dictionary + Objects>(
-        &mut self,
-        dictionary: &D,
-        entry: &Entry,
-        value: &[u8],
-    ) -> Result<(), AbortCode> {
-        let _ = (dictionary, value);
-        // Bits 14 to 12 are 0.
-        let is_known = entry.index != 0x2038
-            || entry.sub != 1
-            || value.get(1).is_none_or(|high| high & 0x70 == 0);
-        is_known.then_some(()).ok_or(AbortCode::InvalidValue)
-    }
-
-    fn written<D: Dictionary + Objects>(&mut self, dictionary: &mut D, entry: &Entry) {
-        match (entry.index, entry.sub) {
-            (0x6040, _) => {
-                let word = dictionary.controlword();
-                self.is_disabled = false;
-                if self.inhibit.controlword(word) & NEW_SET_POINT != 0
-                    && self.is_enabled
-                    && number(dictionary, 0x6061, 0) == 1
-                {
-                    self.take_set_point(dictionary, word);
-                }
-            }
-            (0x2002 | 0x2004 | 0x2006 | 0x2034 | 0x2035, _) => self.set_up(dictionary),
-            // All ones clear it.
-            (0x2033, 2) => put_number(dictionary, 0x2033, 2, 0),
-            (0x2031 | 0x2038, _) => {
-                let has_trip = number(dictionary, 0x2031, 0) & HAS_TRIP != 0;
-                self.trip.set_up(dictionary, has_trip);
-                self.asks.commands = true;
-            }
-            _ => {}
-        }
-    }
-
-    fn look<D: Dictionary + Objects>(&mut self, dictionary: &mut D, view: &View<'_>) {
+    /// FF01h, and errors of the hardware.
+    fn look_at_motor<D: Dictionary>(&mut self, dictionary: &mut D, view: &View<'_>) {
         let actuals = view.actuals;
-        if self.ticked.is_some_and(|last| actuals.at <= last) {
-            // Nothing is new since the last tick, and a frame on a busy bus has no time to lose.
-            return;
+        if !self.is_enabled {
+            self.plausibility.forget(&mut self.told);
+        } else if self.plausibility.look(
+            view.at.ticks(),
+            (actuals.position_demand, actuals.position_actual),
+            actuals.is_moving,
+            &mut self.told,
+        ) && !self.is_stopped
+        {
+            self.is_stopped = true;
+            self.set_up(dictionary);
         }
-        self.ticked = Some(actuals.at);
+        if actuals.error_code >> 12 == 5 {
+            self.broken = Some(actuals.error_code);
+        }
+    }
+
+    /// What of the drive's own words is another's here.
+    fn show<D: Dictionary>(&self, dictionary: &mut D) {
+        self.limits.show(dictionary);
+        let mut word = number(dictionary, 0x6041, 0) as u16;
+        word |= if self.is_warned { WARNING } else { 0 };
+        word |= if self.limits.is_any() { INTERNAL_LIMIT } else { 0 };
+        word &= if self.following.is_pending { !REACHED } else { !0 };
+        put_number(dictionary, 0x6041, 0, word.into());
+    }
+
+    /// The drive has published what it does.
+    fn tick<D: Dictionary>(&mut self, dictionary: &mut D, view: &View<'_>) {
+        let actuals = view.actuals;
         self.since = self.since.saturating_add(1);
         self.statusword = actuals.statusword;
         self.position = actuals.position_actual;
@@ -216,6 +222,16 @@ impl Behaviour for Module {
         Self::show_analogue(dictionary);
         self.look_at_temperature(dictionary);
         self.look_at_following(dictionary);
+        self.look_at_supplies(dictionary);
+        self.look_at_motor(dictionary, view);
+        self.limits
+            .look(actuals.digital_inputs, actuals.position_actual);
+        let follows = self.following.look(
+            dictionary,
+            view.at.ticks(),
+            self.is_enabled && actuals.mode_display == 1,
+            (actuals.counter, actuals.position_demand, actuals.is_moving),
+        );
         let is_changed = self.inhibit.look(dictionary, self.wires, view.at);
         let has_tripped = self.trip.look(actuals.at, actuals.position_demand.into());
         let code = number(dictionary, 0x2712, 0);
@@ -227,7 +243,83 @@ impl Behaviour for Module {
             self.inhibit.fault()
         };
         let is_new = fault != core::mem::replace(&mut self.fault, fault);
-        self.asks.commands |= is_changed || has_tripped || is_new || self.is_disabled;
+        self.asks.commands |= is_changed || has_tripped || is_new || follows || self.is_disabled;
+    }
+
+    /// 2712h: what a following error leads to.
+    fn look_at_following<D: Dictionary>(&mut self, dictionary: &D) {
+        let is_behind = self.statusword & IS_BEHIND != 0 && number(dictionary, 0x6061, 0) == 1;
+        if is_behind == self.is_behind {
+            return;
+        }
+        self.is_behind = is_behind;
+        let code = number(dictionary, 0x2712, 0);
+        self.told.set(FOLLOWING_ERROR, is_behind && code == 4);
+        self.is_disabled |= is_behind && matches!(code, 2 | 4);
+    }
+}
+
+impl Behaviour for Module {
+    fn power_on<D: Dictionary + Objects>(&mut self, dictionary: &mut D) {
+        *self = Self {
+            broken: self.broken,
+            ..Self::default()
+        };
+        self.set_up(dictionary);
+    }
+
+    fn check<D: Dictionary + Objects>(
+        &mut self,
+        dictionary: &D,
+        entry: &Entry,
+        value: &[u8],
+    ) -> Result<(), AbortCode> {
+        let _ = (dictionary, value);
+        // Bits 14 to 12 are 0.
+        let is_known = entry.index != 0x2038
+            || entry.sub != 1
+            || value.get(1).is_none_or(|high| high & 0x70 == 0);
+        is_known.then_some(()).ok_or(AbortCode::InvalidValue)
+    }
+
+    fn written<D: Dictionary + Objects>(&mut self, dictionary: &mut D, entry: &Entry) {
+        match (entry.index, entry.sub) {
+            (0x6040, _) => {
+                let word = dictionary.controlword();
+                self.is_disabled = false;
+                if core::mem::take(&mut self.is_stopped) {
+                    self.set_up(dictionary);
+                }
+                if self.inhibit.controlword(word) & NEW_SET_POINT != 0
+                    && self.is_enabled
+                    && number(dictionary, 0x6061, 0) == 1
+                {
+                    self.take_set_point(dictionary, word);
+                }
+            }
+            (
+                0x2000 | 0x2002 | 0x2004 | 0x2006 | 0x2020 | 0x2022 | 0x2099 | 0x2231 | 0x605A
+                | 0x607C | 0x6098,
+                _,
+            ) => self.set_up(dictionary),
+            // All ones clear it.
+            (0x2033, 2) => put_number(dictionary, 0x2033, 2, 0),
+            (0x2031 | 0x2038, _) => {
+                let has_trip = number(dictionary, 0x2031, 0) & HAS_TRIP != 0;
+                self.trip.set_up(dictionary, has_trip);
+                self.asks.commands = true;
+            }
+            _ => {}
+        }
+    }
+
+    fn look<D: Dictionary + Objects>(&mut self, dictionary: &mut D, view: &View<'_>) {
+        // Where nothing is new since the last tick, a frame on a busy bus has no time to lose.
+        if self.ticked.is_none_or(|last| view.actuals.at > last) {
+            self.ticked = Some(view.actuals.at);
+            self.tick(dictionary, view);
+        }
+        self.show(dictionary);
     }
 
     fn command<D: Dictionary + Objects>(
@@ -242,14 +334,18 @@ impl Behaviour for Module {
             commands.touch_probes_off |= 1;
         }
         self.inhibit.command(commands);
+        self.following.command(commands);
         if self.is_disabled {
             commands.controlword &= !2;
+        } else if self.is_stopped {
+            commands.controlword = commands.controlword & !6 | 2;
         }
-        commands.fault = self.fault;
+        commands.fault = self.broken.or(self.fault);
         self.trip.command(commands);
     }
 
     fn asks(&mut self) -> Asks {
+        self.asks.error = self.told.news();
         core::mem::take(&mut self.asks)
     }
 }

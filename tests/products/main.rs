@@ -18,6 +18,8 @@ mod cyclic;
 mod gearing;
 mod homing;
 mod lmd;
+mod lmd_errors;
+mod lmd_motion;
 mod motion;
 mod moves;
 mod nanotec;

@@ -351,6 +351,9 @@ fn the_nanotec_reads_its_analogue_input() {
     }
     assert_eq!(bench.read(NODE, 0x2003, 1), 250, "tenths of a degree");
     assert_eq!(bench.read(NODE, 0x2003, 2), 240, "tenths of a volt");
+    bench.drive.plant_mut().auxiliary_voltage = 5_100;
+    bench.run(50);
+    assert_eq!(bench.read(NODE, 0x2003, 4), 51, "that of the electronics");
 }
 
 /// A home switch that bounces for 10 ms is one edge if 2008h is longer, and more without; another input that bounces meanwhile changes

@@ -44,6 +44,10 @@ pub struct Inputs {
     pub temperature: Option<i16>,
     /// The analogue input as its converter of 12 bits reads it, 0 ..= 4095; `None` if there is none.
     pub analogue: Option<u16>,
+    /// The supply of the electronics in millivolts; `None` if the board cannot measure it.
+    pub auxiliary_voltage: Option<u32>,
+    /// The battery of an encoder in millivolts; `None` if there is none.
+    pub battery_voltage: Option<u32>,
     /// The second counter, an external encoder; it goes on behind the end of its bits. 0 where the board has none.
     pub counter: i32,
 }

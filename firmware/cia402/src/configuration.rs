@@ -374,6 +374,11 @@ impl HomingConfiguration {
         }
     }
 
+    /// 2030h:1 bit 8: the position goes on counting behind a search for home, which only makes it known.
+    pub const fn keeps_count(&self) -> bool {
+        self.has(8)
+    }
+
     /// 2030h:1 bit 7: statusword bit 12 is 0 when the mode is entered, even while the home position is known.
     pub const fn starts_afresh(&self) -> bool {
         self.has(7)

@@ -371,6 +371,8 @@ mod tests {
         supply_voltage: None,
         temperature: None,
         analogue: None,
+        auxiliary_voltage: None,
+        battery_voltage: None,
         counter: 0,
     };
 

@@ -249,6 +249,8 @@ impl Rig {
             supply_voltage: self.supply_voltage,
             temperature: self.temperature,
             analogue: self.analogue,
+            auxiliary_voltage: None,
+            battery_voltage: None,
             counter: 0,
         }
     }

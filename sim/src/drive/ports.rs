@@ -42,6 +42,8 @@ impl PowerStage for Plant {
             supply_voltage: Some(self.supply_voltage),
             temperature: Some(self.temperature),
             analogue: Some(self.analogue),
+            auxiliary_voltage: Some(self.auxiliary_voltage),
+            battery_voltage: Some(self.battery_voltage),
             counter: self.second.count(self.now()),
         };
         self.now()

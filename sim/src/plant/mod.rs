@@ -67,6 +67,10 @@ pub struct Plant {
     pub supply: bool,
     /// The supply of the power stage in millivolts.
     pub supply_voltage: u32,
+    /// The supply of the electronics in millivolts.
+    pub auxiliary_voltage: u32,
+    /// The battery of an encoder in millivolts.
+    pub battery_voltage: u32,
     /// The temperature of the power stage in tenths of a degree Celsius.
     pub temperature: i16,
     /// What the converter of 12 bits at the analogue input reads.
@@ -102,6 +106,8 @@ impl Plant {
             outputs: 0,
             supply: true,
             supply_voltage: 24_000,
+            auxiliary_voltage: 24_000,
+            battery_voltage: 3_600,
             temperature: 250,
             analogue: 0,
             second: SecondCounter::default(),

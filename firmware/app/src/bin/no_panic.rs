@@ -357,6 +357,8 @@ fn any_inputs() -> Inputs {
         supply_voltage: (any() == 0).then(any),
         temperature: (any() == 0).then(|| any() as i16),
         analogue: (any() == 0).then(|| any() as u16),
+        auxiliary_voltage: (any() == 0).then(any),
+        battery_voltage: (any() == 0).then(any),
         counter: any() as i32,
     }
 }

@@ -274,6 +274,9 @@ macro_rules! every_parameter {
                 setting OverVoltageWarning over_voltage_warning 0x2073:3 u32 = 0, "mV" => over_voltage_warning: plain;
                 setting OverVoltageFault over_voltage_fault 0x2073:4 u32 = 0, "mV" => over_voltage: plain;
                 setting VoltageHysteresis voltage_hysteresis 0x2073:5 u32 = 0, "mV" => voltage_hysteresis: plain;
+                /// The supply of the electronics, and the battery of an encoder.
+                shown AuxiliaryVoltage set_auxiliary_voltage 0x2075:1 u32 = _, "mV";
+                shown BatteryVoltage set_battery_voltage 0x2075:2 u32 = _, "mV";
                 shown Temperature set_temperature 0x2074:1 i16 = _, "0.1 °C";
                 setting TemperatureWarning temperature_warning 0x2074:2 i16 = i16::MAX, "0.1 °C" => temperature_warning: plain;
                 setting OverTemperatureFault over_temperature_fault 0x2074:3 i16 = i16::MAX, "0.1 °C" => over_temperature: plain;

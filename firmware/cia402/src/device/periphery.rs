@@ -24,6 +24,9 @@ pub(super) fn show<D: Objects>(dictionary: &mut D, latched: &Latched, readings: 
     dictionary.set_touch_probe_2_positive_count(c);
     dictionary.set_touch_probe_2_negative_count(d);
     dictionary.set_dc_link_voltage(readings.supply_voltage);
+    let [auxiliary, battery] = readings.other_supplies;
+    dictionary.set_auxiliary_voltage(auxiliary);
+    dictionary.set_battery_voltage(battery);
     dictionary.set_temperature(readings.temperature);
     dictionary.set_analogue_input_raw(readings.analogue.raw);
     dictionary.set_analogue_input_voltage(readings.analogue.voltage);

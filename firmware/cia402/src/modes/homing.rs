@@ -81,6 +81,16 @@ impl Search {
 
     /// From now on the engine's position `home` has its name.
     fn set_home(&mut self, context: &mut Context<'_, impl Parts>, home: i32) {
+        let method = Method::from_code(self.configuration.method);
+        if self.configuration.keeps_count() && !method.is_some_and(Method::is_immediate) {
+            let from = context.position;
+            let known_as = home.wrapping_add(self.shift);
+            let away = known_as.wrapping_sub(low::i32(from));
+            context
+                .motor
+                .set_home(from, known_as, from.wrapping_add(away.into()));
+            return;
+        }
         let user = self.configuration.position_at_home();
         let name = context.units().position(user.into());
         let known_as = home.wrapping_add(self.shift);

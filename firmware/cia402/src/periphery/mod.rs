@@ -29,6 +29,8 @@ pub use touch_probe::Latched;
 pub struct Readings {
     /// 6079h in millivolts; 0 if it is not measured.
     pub supply_voltage: u32,
+    /// 2075h in millivolts: the supply of the electronics, and the battery of an encoder; 0 if they are not measured.
+    pub other_supplies: [u32; 2],
     /// 2074h:1 in tenths of a degree Celsius; 0 if it is not measured.
     pub temperature: i16,
     /// 2064h:1 to :3.
@@ -39,6 +41,7 @@ impl Readings {
     /// Nothing yet.
     pub const NONE: Self = Self {
         supply_voltage: 0,
+        other_supplies: [0; 2],
         temperature: 0,
         analogue: Analogue {
             raw: 0,
@@ -124,6 +127,8 @@ impl Periphery {
         self.since_shown = 0;
         Readings {
             supply_voltage: inputs.supply_voltage.unwrap_or(0),
+            other_supplies: [inputs.auxiliary_voltage, inputs.battery_voltage]
+                .map(Option::unwrap_or_default),
             temperature: inputs.temperature.unwrap_or(0),
             analogue: if D::DRIVE.analogue_input {
                 self.analogue.shown(&configuration.analogue)
