@@ -38,4 +38,5 @@ mod speeds;
 mod steer;
 mod storage;
 mod tasks;
+mod tc1;
 mod transfers;
