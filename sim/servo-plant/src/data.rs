@@ -2,8 +2,6 @@
 
 use serde::Deserialize;
 
-use crate::mechanical::Bodies;
-
 /// The phases of a motor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -221,13 +219,4 @@ pub struct PlantData {
     /// The sensors.
     #[serde(default)]
     pub sensors: SensorData,
-}
-
-impl PlantData {
-    /// What of it moves, with a torque on the load and a brake.
-    pub(crate) fn mechanics(&self, load_torque: f64, brake: f64) -> Bodies {
-        let mut load = self.load;
-        load.coulomb_friction += brake;
-        Bodies::new(&self.motor, &load, self.coupling, load_torque)
-    }
 }

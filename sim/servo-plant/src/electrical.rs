@@ -8,16 +8,31 @@ use crate::data::{MotorData, Phases};
 
 const SQRT3: f64 = 1.732_050_807_568_877_2;
 
-/// A vector beside the stator in the frame of a rotor at this electrical angle.
-pub fn to_rotor([alpha, beta]: [f64; 2], angle: f64) -> [f64; 2] {
-    let (sine, cosine) = libm::sincos(angle);
-    [alpha * cosine + beta * sine, beta * cosine - alpha * sine]
+/// Where a rotor looks from beside the stator: sine and cosine of its electrical angle.
+#[derive(Clone, Copy, Debug)]
+pub struct Facing {
+    sine: f64,
+    cosine: f64,
 }
 
-/// A vector in the frame of a rotor at this electrical angle beside the stator.
-pub fn to_stator([d, q]: [f64; 2], angle: f64) -> [f64; 2] {
-    let (sine, cosine) = libm::sincos(angle);
-    [d * cosine - q * sine, d * sine + q * cosine]
+impl Facing {
+    /// At this electrical angle, in rad.
+    pub fn at(angle: f64) -> Self {
+        let (sine, cosine) = libm::sincos(angle);
+        Self { sine, cosine }
+    }
+
+    /// A vector beside the stator in the frame of the rotor.
+    pub fn to_rotor(self, [alpha, beta]: [f64; 2]) -> [f64; 2] {
+        let Self { sine, cosine } = self;
+        [alpha * cosine + beta * sine, beta * cosine - alpha * sine]
+    }
+
+    /// A vector in the frame of the rotor beside the stator.
+    pub fn to_stator(self, [d, q]: [f64; 2]) -> [f64; 2] {
+        let Self { sine, cosine } = self;
+        [d * cosine - q * sine, d * sine + q * cosine]
+    }
 }
 
 /// What a vector beside the stator is in the phases. Those of three add up to 0; of two, the third is 0.
@@ -68,19 +83,18 @@ pub(crate) struct Winding {
 }
 
 impl Winding {
-    /// A voltage beside the stator acts for a time, while the rotor turns on from an angle, both electrical.
+    /// A voltage beside the stator acts for a time, while the rotor turns on from where it looks at an electrical speed.
     pub(crate) fn turn(
         &mut self,
         motor: &MotorData,
         voltage: [f64; 2],
-        angle: f64,
+        facing: Facing,
         speed: f64,
         time: f64,
     ) -> Work {
-        let [d, q] = to_rotor(voltage, angle);
+        let [d, q] = facing.to_rotor(voltage);
         let start = [self.current[0], self.current[1], d, q];
-        let middle = solve(motor, start, speed, time / 2.0);
-        let end = solve(motor, middle, speed, time / 2.0);
+        let [middle, end] = solve(motor, start, speed, time);
         self.current = [end[0], end[1]];
         // Simpson's rule over the powers at start, middle and end.
         let over = |power: fn([f64; 4]) -> f64| {
@@ -93,22 +107,22 @@ impl Winding {
         }
     }
 
-    /// The currents of the phases with the rotor at an electrical angle.
-    pub(crate) fn phases(&self, motor: &MotorData, angle: f64) -> [f64; 3] {
-        to_phases(motor.phases, to_stator(self.current, angle))
+    /// The currents of the phases with the rotor looking there.
+    pub(crate) fn phases(&self, motor: &MotorData, facing: Facing) -> [f64; 3] {
+        to_phases(motor.phases, facing.to_stator(self.current))
     }
 
     /// A phase carries no current.
-    pub(crate) fn cut(&mut self, motor: &MotorData, phase: usize, angle: f64) {
+    pub(crate) fn cut(&mut self, motor: &MotorData, phase: usize, facing: Facing) {
         let [x, y] = direction(motor.phases, phase);
-        let [alpha, beta] = to_stator(self.current, angle);
+        let [alpha, beta] = facing.to_stator(self.current);
         let along = alpha * x + beta * y;
-        self.current = to_rotor([alpha - along * x, beta - along * y], angle);
+        self.current = facing.to_rotor([alpha - along * x, beta - along * y]);
     }
 }
 
-/// The states after a time: currents and voltages in d and q.
-fn solve(motor: &MotorData, state: [f64; 4], speed: f64, time: f64) -> [f64; 4] {
+/// The states at the middle and at the end of a time: currents and voltages in d and q.
+fn solve(motor: &MotorData, state: [f64; 4], speed: f64, time: f64) -> [[f64; 4]; 2] {
     let MotorData {
         resistance,
         inductance_d: ld,
@@ -116,32 +130,50 @@ fn solve(motor: &MotorData, state: [f64; 4], speed: f64, time: f64) -> [f64; 4] 
         flux,
         ..
     } = *motor;
-    // The greatest of what the matrix can do in the time; the series is taken over parts in which that is below one.
+    // The greatest of what the matrix can do in the time: the series is for times in which that is below one.
     let rate = (resistance + speed.abs() * ld.max(lq) + 1.0) / ld.min(lq);
-    let parts = (rate * time).ceil().clamp(1.0, 1e4);
-    let part = time / parts;
+    if rate * time > 1.0 && time > SHORTEST {
+        let [_, middle] = solve(motor, state, speed, time / 2.0);
+        let [_, end] = solve(motor, middle, speed, time / 2.0);
+        return [middle, end];
+    }
+    let (per_d, per_q) = (1.0 / ld, 1.0 / lq);
     let slope = |[id, iq, vd, vq]: [f64; 4], magnet: f64| {
         [
-            (vd - resistance * id + speed * lq * iq) / ld,
-            (vq - resistance * iq - speed * (ld * id + magnet)) / lq,
+            (vd - resistance * id + speed * lq * iq) * per_d,
+            (vq - resistance * iq - speed * (ld * id + magnet)) * per_q,
             speed * vq,
             -speed * vd,
         ]
     };
-    let mut state = state;
-    for _ in 0..parts as u32 {
-        let mut term = state;
-        let mut magnet = flux;
-        for order in 1..40 {
-            let factor = part / f64::from(order);
-            term = slope(term, magnet).map(|value| value * factor);
-            magnet = 0.0;
-            let before = state;
-            state = std::array::from_fn(|at| state[at] + term[at]);
-            if state == before {
-                break;
-            }
+    let (mut middle, mut end, mut term) = (state, state, state);
+    let (mut magnet, mut half) = (flux, 1.0);
+    for share in SHARES {
+        let factor = time * share;
+        term = slope(term, magnet).map(|value| value * factor);
+        magnet = 0.0;
+        // Half the time is a power of a half in each term.
+        half *= 0.5;
+        let before = end;
+        middle = std::array::from_fn(|at| middle[at] + term[at] * half);
+        end = std::array::from_fn(|at| end[at] + term[at]);
+        if end == before {
+            break;
         }
     }
-    state
+    [middle, end]
 }
+
+/// Below this nothing is divided any more, in s: data that are no motor end too.
+const SHORTEST: f64 = 1e-10;
+
+/// One over the order of a term.
+const SHARES: [f64; 40] = {
+    let mut shares = [0.0; 40];
+    let mut at = 0;
+    while at < shares.len() {
+        shares[at] = 1.0 / (at + 1) as f64;
+        at += 1;
+    }
+    shares
+};

@@ -27,9 +27,9 @@ pub mod stage;
 pub mod supply;
 
 use data::{MotorData, PlantData};
-use electrical::Winding;
+use electrical::{Facing, Winding};
 use energy::Energy;
-use mechanical::Mechanics;
+use mechanical::{Bodies, Mechanics, Outside};
 use noise::Noise;
 use sensors::Sensors;
 pub use sensors::{Readings, SensorFaults};
@@ -46,7 +46,9 @@ pub const STEP: f64 = 5e-6;
 pub struct Plant {
     data: PlantData,
     winding: Winding,
+    bodies: Bodies,
     mechanics: Mechanics,
+    pose: Pose,
     supply: Supply,
     sensors: Sensors,
     noise: Noise,
@@ -70,12 +72,31 @@ pub struct Plant {
     pub sensor_faults: SensorFaults,
 }
 
+/// What the angle of the rotor makes, worked out once for each.
+#[derive(Clone, Copy, Debug)]
+struct Pose {
+    facing: Facing,
+    /// The torque of the detents, in N·m.
+    detent: f64,
+}
+
+impl Pose {
+    fn at(motor: &MotorData, angle: f64) -> Self {
+        Self {
+            facing: Facing::at(angle * f64::from(motor.pole_pairs)),
+            detent: motor.detent_torque(angle),
+        }
+    }
+}
+
 impl Plant {
     /// At rest at angle 0, no current, the bus at the voltage of its supply, the power stage off.
     pub fn new(data: PlantData, seed: u64) -> Self {
         Self {
             winding: Winding::default(),
+            bodies: Bodies::new(&data),
             mechanics: Mechanics::default(),
+            pose: Pose::at(&data.motor, 0.0),
             supply: Supply::new(&data.supply),
             sensors: Sensors::new(&data.sensors, 0.0),
             noise: Noise::new(seed),
@@ -96,19 +117,22 @@ impl Plant {
     /// The same, with its rotor at this angle and with this velocity, in rad and rad/s, and the load with it.
     pub fn turning(mut self, angle: f64, velocity: f64) -> Self {
         self.mechanics = Mechanics::turning(angle, velocity);
+        self.pose = Pose::at(&self.data.motor, angle);
         self.sensors = Sensors::new(&self.data.sensors, angle);
         self
     }
 
     /// Goes on by a step.
     pub fn step(&mut self) {
-        let data = &self.data;
-        let mechanics = &data.mechanics(self.load_torque, self.load_brake);
+        let outside = Outside {
+            torque: self.load_torque,
+            brake: self.load_brake,
+        };
         let before = self.torque();
         self.mechanics
-            .kick(mechanics, before, STEP / 2.0, &mut self.energy);
+            .kick(&self.bodies, outside, before, &mut self.energy);
 
-        let start = self.electrical_angle();
+        let start = self.pose.facing;
         let speed = self.mechanics.velocity * f64::from(self.data.motor.pole_pairs);
         let bridge = Bridge::new(&self.data, self.gates, self.supply.voltage);
         let voltage = bridge.voltage(&self.data.motor, &self.winding, start, speed);
@@ -116,7 +140,8 @@ impl Plant {
             .winding
             .turn(&self.data.motor, voltage, start, speed, STEP);
         self.mechanics.drift(STEP);
-        let end = self.electrical_angle();
+        self.pose = Pose::at(&self.data.motor, self.mechanics.angle);
+        let end = self.pose.facing;
         bridge.block(&self.data.motor, &mut self.winding, voltage, end);
         if let Some(phase) = self.cut_phase {
             self.winding.cut(&self.data.motor, phase, end);
@@ -131,11 +156,11 @@ impl Plant {
         }
         self.energy.supplied +=
             self.supply
-                .go_on(&self.data.supply, drawn, self.chopper, self.is_fed, STEP);
+                .go_on(&self.data.supply, drawn, self.chopper, self.is_fed);
 
         let after = self.torque();
         self.mechanics
-            .kick(mechanics, after, STEP / 2.0, &mut self.energy);
+            .kick(&self.bodies, outside, after, &mut self.energy);
         self.steps += 1;
         let mut phases = self.winding.phases(&self.data.motor, end);
         if let Some(short) = self.short {
@@ -209,14 +234,13 @@ impl Plant {
 
     /// The true currents of the phases, in A. The third of a motor of two is 0.
     pub fn phase_currents(&self) -> [f64; 3] {
-        let angle = self.electrical_angle();
-        self.winding.phases(&self.data.motor, angle)
+        self.winding.phases(&self.data.motor, self.pose.facing)
     }
 
     /// The torque of current and detents, in N·m.
     pub fn torque(&self) -> f64 {
         let motor = &self.data.motor;
-        motor.torque(self.winding.current) + motor.detent_torque(self.mechanics.angle)
+        motor.torque(self.winding.current) + self.pose.detent
     }
 
     /// The voltage of the bus, in V.

@@ -3,7 +3,8 @@
 //! Dry friction is exact in each step: it takes away velocity until there is none, and then holds against any torque up to its own. A
 //! coupling is a spring with a damper between two stops; the damper never pulls the load off a stop that it presses on.
 
-use crate::data::{Coupling, LoadData, MotorData, PlantData};
+use crate::STEP;
+use crate::data::{Coupling, PlantData};
 use crate::energy::Energy;
 
 /// What a body is held by.
@@ -11,22 +12,36 @@ use crate::energy::Energy;
 struct Body {
     inertia: f64,
     coulomb: f64,
-    viscous: f64,
+    /// What viscous friction leaves of a velocity in half a step, by the exact factor.
+    fade: f64,
+    /// How long a torque would have to act without it for what it does in half a step, in s.
+    reach: f64,
 }
 
+/// Half a step, in which torques act and nothing moves, in s.
+const HALF: f64 = STEP / 2.0;
+
 impl Body {
-    /// A torque acts for a time. Gives the new velocity, and the heat of friction.
-    fn kick(self, velocity: f64, torque: f64, time: f64) -> (f64, f64) {
-        // Viscous friction fades it, by the exact factor.
-        let rate = self.viscous / self.inertia;
-        let fade = libm::exp(-rate * time);
-        let reach = if rate * time < 1e-9 {
-            time
+    fn new(inertia: f64, coulomb: f64, viscous: f64) -> Self {
+        let rate = viscous / inertia;
+        let fade = libm::exp(-rate * HALF);
+        let reach = if rate * HALF < 1e-9 {
+            HALF
         } else {
             (1.0 - fade) / rate
         };
-        let drag = self.coulomb / self.inertia * reach;
-        let free = velocity * fade + torque / self.inertia * reach;
+        Self {
+            inertia,
+            coulomb,
+            fade,
+            reach,
+        }
+    }
+
+    /// A torque acts for half a step, and a brake with the friction. Gives the new velocity, and the heat of both.
+    fn kick(self, velocity: f64, torque: f64, brake: f64) -> (f64, f64) {
+        let drag = (self.coulomb + brake) / self.inertia * self.reach;
+        let free = velocity * self.fade + torque / self.inertia * self.reach;
         let after = if free.abs() <= drag {
             0.0
         } else {
@@ -34,46 +49,46 @@ impl Body {
         };
         let middle = f64::midpoint(velocity, after);
         let gained = self.inertia * (after - velocity) * middle;
-        (after, torque * middle * time - gained)
+        (after, torque * middle * HALF - gained)
     }
 }
 
-/// The bodies, the coupling between them, and the torque on the load.
+/// The bodies, and the coupling between them.
 #[derive(Clone, Copy, Debug)]
 pub struct Bodies {
     rotor: Body,
     load: Option<(Body, Coupling)>,
-    load_torque: f64,
 }
 
 impl Bodies {
-    pub(crate) fn new(
-        motor: &MotorData,
-        load: &LoadData,
-        coupling: Option<Coupling>,
-        load_torque: f64,
-    ) -> Self {
-        let rotor = Body {
-            inertia: motor.inertia,
-            coulomb: motor.coulomb_friction,
-            viscous: motor.viscous_friction,
-        };
-        let driven = Body {
-            inertia: load.inertia,
-            coulomb: load.coulomb_friction,
-            viscous: load.viscous_friction,
-        };
-        let both = Body {
-            inertia: rotor.inertia + driven.inertia,
-            coulomb: rotor.coulomb + driven.coulomb,
-            viscous: rotor.viscous + driven.viscous,
-        };
-        Self {
-            rotor: if coupling.is_some() { rotor } else { both },
-            load: coupling.map(|coupling| (driven, coupling)),
-            load_torque,
+    pub(crate) fn new(data: &PlantData) -> Self {
+        let (motor, load) = (&data.motor, &data.load);
+        let (inertia, coulomb, viscous) = (
+            motor.inertia,
+            motor.coulomb_friction,
+            motor.viscous_friction,
+        );
+        let driven = (load.inertia, load.coulomb_friction, load.viscous_friction);
+        match data.coupling {
+            Some(coupling) => Self {
+                rotor: Body::new(inertia, coulomb, viscous),
+                load: Some((Body::new(driven.0, driven.1, driven.2), coupling)),
+            },
+            None => Self {
+                rotor: Body::new(inertia + driven.0, coulomb + driven.1, viscous + driven.2),
+                load: None,
+            },
         }
     }
+}
+
+/// What acts on the load from outside.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Outside {
+    /// Against positive motion, in N·m.
+    pub(crate) torque: f64,
+    /// As dry friction does, in N·m.
+    pub(crate) brake: f64,
 }
 
 /// Where rotor and load are, and how fast they are. Without a coupling the load is part of the rotor.
@@ -95,14 +110,22 @@ impl Mechanics {
         }
     }
 
-    /// Torques act for a time, in which nothing moves.
-    pub(crate) fn kick(&mut self, bodies: &Bodies, torque: f64, time: f64, energy: &mut Energy) {
+    /// Torques act for half a step, in which nothing moves.
+    pub(crate) fn kick(
+        &mut self,
+        bodies: &Bodies,
+        outside: Outside,
+        torque: f64,
+        energy: &mut Energy,
+    ) {
         let Some((load, coupling)) = bodies.load else {
             let before = self.velocity;
-            let (after, heat) = bodies.rotor.kick(before, torque - bodies.load_torque, time);
+            let (after, heat) = bodies
+                .rotor
+                .kick(before, torque - outside.torque, outside.brake);
             self.velocity = after;
             energy.friction += heat;
-            energy.load += bodies.load_torque * f64::midpoint(before, after) * time;
+            energy.load += outside.torque * f64::midpoint(before, after) * HALF;
             return;
         };
         let before = (self.velocity, self.load_velocity);
@@ -116,12 +139,12 @@ impl Mechanics {
         } else {
             0.0
         };
-        let (rotor, heat) = bodies.rotor.kick(before.0, torque - held, time);
-        let (driven, more) = load.kick(before.1, held - bodies.load_torque, time);
+        let (rotor, heat) = bodies.rotor.kick(before.0, torque - held, 0.0);
+        let (driven, more) = load.kick(before.1, held - outside.torque, outside.brake);
         (self.velocity, self.load_velocity) = (rotor, driven);
         let slipped = f64::midpoint(before.0, rotor) - f64::midpoint(before.1, driven);
-        energy.friction += heat + more + (held - spring) * slipped * time;
-        energy.load += bodies.load_torque * f64::midpoint(before.1, driven) * time;
+        energy.friction += heat + more + (held - spring) * slipped * HALF;
+        energy.load += outside.torque * f64::midpoint(before.1, driven) * HALF;
     }
 
     /// Both turn on for a time.

@@ -7,7 +7,7 @@
 use std::f64::consts::FRAC_2_PI;
 
 use crate::data::{MotorData, Phases, PlantData};
-use crate::electrical::{Winding, of_phases, to_rotor, to_stator};
+use crate::electrical::{Facing, Winding, of_phases};
 
 /// What the gates are told.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -40,25 +40,25 @@ impl Bridge {
         }
     }
 
-    /// The voltage beside the stator in a step that begins with the rotor at this electrical angle and speed.
+    /// The voltage beside the stator in a step that begins with the rotor looking there, at this electrical speed.
     pub(crate) fn voltage(
         &self,
         motor: &MotorData,
         winding: &Winding,
-        angle: f64,
+        facing: Facing,
         speed: f64,
     ) -> [f64; 2] {
         match self.gates {
             Gates::On(duties) => {
-                let currents = winding.phases(motor, angle);
+                let currents = winding.phases(motor, facing);
                 let phase = |at: usize| self.leg(motor.phases, duties[at], currents[at]);
                 of_phases(motor.phases, [phase(0), phase(1), phase(2)])
             }
             Gates::Off => {
-                let mut current = to_stator(winding.current, angle);
+                let mut current = facing.to_stator(winding.current);
                 if current == [0.0; 2] {
                     // What the magnet would drive, if it can.
-                    current = to_stator([0.0, -speed * motor.flux], angle);
+                    current = facing.to_stator([0.0, -speed * motor.flux]);
                 }
                 self.through_diodes(motor.phases, current)
             }
@@ -116,18 +116,18 @@ impl Bridge {
         motor: &MotorData,
         winding: &mut Winding,
         voltage: [f64; 2],
-        angle: f64,
+        facing: Facing,
     ) {
         if self.gates != Gates::Off {
             return;
         }
-        let now = to_stator(winding.current, angle);
+        let now = facing.to_stator(winding.current);
         let with = [now[0] * voltage[0], now[1] * voltage[1]];
         let left = match motor.phases {
             Phases::Two => std::array::from_fn(|at| if with[at] > 0.0 { 0.0 } else { now[at] }),
             Phases::Three if with[0] + with[1] > 0.0 => [0.0; 2],
             Phases::Three => now,
         };
-        winding.current = to_rotor(left, angle);
+        winding.current = facing.to_rotor(left);
     }
 }

@@ -1,5 +1,6 @@
 //! The supply, the capacitor of the bus, and the brake chopper.
 
+use crate::STEP;
 use crate::data::SupplyData;
 
 /// The bus.
@@ -7,16 +8,48 @@ use crate::data::SupplyData;
 pub(crate) struct Supply {
     /// In V.
     pub(crate) voltage: f64,
+    /// What acts on it in a step, without and with the supply, each without and with the chopper.
+    ways: [[Way; 2]; 2],
+}
+
+/// What acts on the bus in a step.
+#[derive(Clone, Copy, Debug)]
+struct Way {
+    /// In 1/Ω.
+    conductance: f64,
+    /// How long a slope of the beginning would have to last for what the step does, in s.
+    reach: f64,
+}
+
+impl Way {
+    fn new(data: &SupplyData, feeds: bool, chops: bool) -> Self {
+        let mut conductance = 0.0;
+        if feeds {
+            conductance += 1.0 / data.resistance;
+        }
+        if chops {
+            conductance += 1.0 / data.chopper;
+        }
+        let rate = conductance / data.capacitance;
+        let reach = if rate * STEP < 1e-9 {
+            STEP
+        } else {
+            (1.0 - libm::exp(-rate * STEP)) / rate
+        };
+        Self { conductance, reach }
+    }
 }
 
 impl Supply {
     pub(crate) fn new(data: &SupplyData) -> Self {
         Self {
             voltage: data.voltage,
+            ways: [false, true]
+                .map(|feeds| [false, true].map(|chops| Way::new(data, feeds, chops))),
         }
     }
 
-    /// The stage draws a power for a time, or gives it back. Gives the energy that the supply has put in, in J.
+    /// The stage draws a power for a step, or gives it back. Gives the energy that the supply has put in, in J.
     ///
     /// The current of the stage is that power at the voltage of the start; supply and chopper are solved exactly.
     pub(crate) fn go_on(
@@ -25,31 +58,20 @@ impl Supply {
         power: f64,
         chops: bool,
         is_fed: bool,
-        time: f64,
     ) -> f64 {
         let before = self.voltage;
         let drawn = power / before.max(1.0);
-        let feeds = is_fed && before - drawn * time / data.capacitance <= data.voltage;
-        let mut conductance = 0.0;
+        let feeds = is_fed && before - drawn * STEP / data.capacitance <= data.voltage;
+        let Way { conductance, reach } = self.ways[usize::from(feeds)][usize::from(chops)];
         let mut current = -drawn;
         if feeds {
-            conductance += 1.0 / data.resistance;
             current += data.voltage / data.resistance;
         }
-        if chops {
-            conductance += 1.0 / data.chopper;
-        }
-        let rate = conductance / data.capacitance;
-        let reach = if rate * time < 1e-9 {
-            time
-        } else {
-            (1.0 - libm::exp(-rate * time)) / rate
-        };
         let slope = (current - conductance * before) / data.capacitance;
         self.voltage = (before + slope * reach).max(0.0);
         if feeds {
             let middle = f64::midpoint(before, self.voltage);
-            ((data.voltage - middle) / data.resistance * middle * time).max(0.0)
+            ((data.voltage - middle) / data.resistance * middle * STEP).max(0.0)
         } else {
             0.0
         }

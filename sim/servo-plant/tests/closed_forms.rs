@@ -2,7 +2,7 @@
 
 use servo_plant::axes::{self, NEMA17, SERVO_100W, SERVO_400W};
 use servo_plant::data::{Coupling, LoadData, MotorData, Phases, PlantData};
-use servo_plant::electrical::{to_phases, to_stator};
+use servo_plant::electrical::{Facing, to_phases};
 use servo_plant::{Gates, Plant, STEP};
 
 /// The bus stays as it is, nothing rubs, and the dead time is none.
@@ -21,7 +21,7 @@ fn ideal(data: PlantData) -> PlantData {
 fn gates(plant: &Plant, voltage: [f64; 2]) -> Gates {
     let speed = plant.velocity() * f64::from(plant.motor().pole_pairs);
     let angle = plant.electrical_angle() + speed * STEP / 2.0;
-    let phases = to_phases(plant.motor().phases, to_stator(voltage, angle));
+    let phases = to_phases(plant.motor().phases, Facing::at(angle).to_stator(voltage));
     let middle = match plant.motor().phases {
         Phases::Two => 0.0,
         Phases::Three => 0.5,
