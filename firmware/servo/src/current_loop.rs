@@ -16,7 +16,7 @@
 //! An inductance that is not that of the data, as iron saturates, shows when the current changes: the model has foretold by how much, and what it has done
 //! beside that is how it responds. Changes above a small part of the greatest current correct that, between [`STIFFEST`] and [`SOFTEST`].
 //!
-//! The voltage stays in the circle of the bus, d first: there field weakening acts. The current that is asked for stays in its own circle.
+//! The voltage stays in the circle of the bus, as near as it comes to the one that is wanted. The current that is asked for stays in its own circle, d first.
 //! A current above the trip, a bus outside its bounds, or what is no number, ends it: the gates are to be off until [`CurrentLoop::start`].
 
 use crate::Angle;
@@ -418,15 +418,20 @@ impl CurrentLoop {
     }
 }
 
-/// A voltage in the circle: d first, and of q what is left. What is no number is 0.
+/// A voltage in the circle: as near as it comes to the one that is wanted, so that the current is off by the least. d first would leave q to the magnet where a
+/// current that brakes takes the whole voltage, and q would run away. What is no number is 0.
 #[inline]
 fn in_circle(wanted: Rotor, most: f32) -> Rotor {
     if wanted.square() <= most * most {
         return wanted;
     }
-    let d = limit(wanted.d, most);
+    let wanted = Rotor {
+        d: limit(wanted.d, 1e6),
+        q: limit(wanted.q, 1e6),
+    };
+    let share = most / root(wanted.square()).max(most);
     Rotor {
-        d,
-        q: limit(wanted.q, root(most * most - d * d)),
+        d: wanted.d * share,
+        q: wanted.q * share,
     }
 }

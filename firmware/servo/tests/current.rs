@@ -297,3 +297,39 @@ proptest! {
         }
     }
 }
+
+/// What brakes a fast rotor takes the most voltage: where the bus has not enough for it, the current does not run away.
+#[test]
+fn a_rotor_that_is_braked_fast_keeps_its_current() {
+    for (name, data) in axes::ALL {
+        let (rated, peak) = currents(name);
+        let known = motor(&data, rated, peak);
+        let mut data = held(&data);
+        data.supply.capacitance = 1e3;
+        let bus = rig::modulation(&data, known.wiring).most(data.supply.voltage as f32);
+        let magnet = f64::from(bus / (known.flux * f32::from(known.pole_pairs)));
+        for speed in 1..=19 {
+            for share in [0.5, 0.75, 1.0] {
+                // Of the speed at which the magnet leaves nothing of the bus.
+                let part = 0.05 * f64::from(speed);
+                let config = CurrentConfig::quick(&known, PERIOD, 10.0 * peak, BUS);
+                let plant = Plant::new(data, 1).turning(0.0, part * magnet);
+                let mut rig = Rig::new(plant, known, config);
+                rig.is_told = true;
+                rig.periods(40, q(0.3 * peak));
+                let mut most = 0.0_f64;
+                for _ in 0..400 {
+                    rig.period(q(-share * peak));
+                    let [d, q] = rig.plant.current();
+                    most = most.max(d.hypot(q) / f64::from(peak));
+                }
+                let what = format!("{name}, {share} of its peak at {part} of its speed");
+                assert!(most < 1.25, "{what}: {most}");
+                let [d, q] = rig.plant.current().map(|amperes| amperes / f64::from(peak));
+                // Up to a third of the speed all of it is there, and a good part of it at each.
+                let least = if part < 0.34 { 0.98 } else { 0.45 };
+                assert!(-q > least * f64::from(share), "{what}: {d}, {q}");
+            }
+        }
+    }
+}
