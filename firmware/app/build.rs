@@ -9,8 +9,6 @@ use od_gen::Options;
 /// The root of the workspace.
 const ROOT: &str = "../..";
 
-const MEMORY: &str = "../../memory.x";
-
 /// The data sheet of the drive, from the root of the workspace, if it is to be another one than that of its kind.
 const CHOICE: &str = "AXIS402_EDS";
 
@@ -20,16 +18,21 @@ const SERVO: &str = "eds/servo.toml";
 
 fn main() {
     let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
-    fs::copy(MEMORY, out.join("memory.x")).expect("memory.x lies in the root of the workspace");
     let has = |feature: &str| env::var_os(format!("CARGO_FEATURE_{feature}")).is_some();
-    let board = if has("QEMU") { "qemu" } else { "chip" };
-    let ram = format!("src/board/{board}/ram.x");
-    fs::copy(&ram, out.join("ram.x")).expect("the emulator and the chip have a ram.x");
-    println!("cargo:rerun-if-changed={ram}");
+    // The names of the interrupts, where no peripheral access crate brings them along.
+    let (chip, scripts): (_, &[_]) = if has("STM32F4") {
+        ("chip", &["memory.x"])
+    } else {
+        ("qemu", &["memory.x", "device.x"])
+    };
+    for script in scripts {
+        let from = format!("src/board/{chip}/{script}");
+        fs::copy(&from, out.join(script)).expect("each chip has its memory layout");
+        println!("cargo:rerun-if-changed={from}");
+    }
     println!("cargo:rustc-link-search={}", out.display());
     // Functions that come out alike are one.
     println!("cargo:rustc-link-arg=--icf=all");
-    println!("cargo:rerun-if-changed={MEMORY}");
     println!("cargo:rerun-if-changed=build.rs");
     if !has("RTT") {
         // Nobody would read them.

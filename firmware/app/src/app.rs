@@ -1,7 +1,7 @@
 //! The RTIC app of a board. RTIC binds interrupts by their names in one device, so each board makes the app of itself; the tasks are the
 //! same on all of them, and an image has the handlers of its own board only.
 
-/// Makes the app of a board. `device` is its peripheral access crate; `dispatchers` are three interrupts that nothing uses, for the software
+/// Makes the app of a board. `device` is its peripheral access crate, or a module like one; `dispatchers` are three interrupts that nothing uses, for the software
 /// tasks. Behind each kind of task stand those of the board, each with its interrupt: none, one or several.
 macro_rules! app {
     (

@@ -2,10 +2,10 @@
 //!
 //! A board is a type that implements [`Board`], in a module that makes the app of it by the macro [`app`](macro@crate::app): with its
 //! peripheral access crate and the interrupts that it has. The feature of the same name makes it [`Selected`], and nothing outside of
-//! its module names its chip. To add one: its module, its feature, its line below, and its memory, `ram.x` in its folder (`memory.x` in the root has the rest).
+//! its module names its chip. What a port consists of is in `docs/hardware.md`.
 //!
 //! Of the firmware this folder is the only place with `unsafe` code (RTIC's own among it) and the only one that touches peripherals. The two other images have some of their own: `bin/bench`
-//! reads the timer that counts and handles the hard fault, `bin/no_panic.rs` has cells the compiler cannot see through
+//! handles the hard fault, `bin/no_panic.rs` has cells the compiler cannot see through
 //! and the function that does not exist.
 
 use canopen::od;
@@ -21,7 +21,7 @@ use runtime::{Controller, Inbox, Lights};
 #[cfg(feature = "rtt")]
 use defmt_rtt as _;
 
-#[cfg(not(feature = "qemu"))]
+#[cfg(feature = "stm32f4")]
 mod chip;
 mod control_timer;
 #[cfg(not(feature = "rtt"))]

@@ -1,10 +1,10 @@
-//! Where the bytes of object 2020h lie: on the chip in its core-coupled memory, which DMA cannot reach and nothing else uses; the
-//! emulator has none, so there they lie in the memory of all.
+//! Where the bytes of object 2020h lie: in the section `.uninit.streamed`, which no DMA has to reach. The STM32F405 has its core-coupled memory for it,
+//! as its `memory.x` says; where that says nothing, it is part of the memory of all.
 
 use crate::machine::{Room, USER_MEMORY};
 
-/// Room for two values. At the start of the chip it holds anything.
-#[cfg_attr(not(feature = "qemu"), link_section = ".ccmram")]
+/// Room for two values. At the start it holds anything.
+#[link_section = ".uninit.streamed"]
 static mut ROOMS: [[u8; USER_MEMORY]; 2] = [[0; USER_MEMORY]; 2];
 
 /// Both rooms, cleared.

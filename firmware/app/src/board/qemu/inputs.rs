@@ -9,8 +9,7 @@
 
 use core::sync::atomic::{AtomicU8, Ordering};
 
-use stm32f4xx_hal::pac;
-
+use super::device::Interrupt;
 use super::semihosting::{File, Mode};
 use crate::board::InputLines;
 
@@ -73,7 +72,7 @@ impl Axis {
             self.high = high;
             HIGH.store(high, Ordering::Relaxed);
             CHANGED.fetch_or(changed, Ordering::Relaxed);
-            cortex_m::peripheral::NVIC::pend(pac::Interrupt::EXTI9_5);
+            cortex_m::peripheral::NVIC::pend(Interrupt::PORT0);
         }
     }
 

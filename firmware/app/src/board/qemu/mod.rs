@@ -1,12 +1,12 @@
-//! The emulator: QEMU's machine `netduinoplus2`, which has an STM32F405 without CAN, pins, flash programming and PLL.
+//! The emulator: QEMU's machine `mps2-an386`, Arm's board MPS2 with a Cortex-M4F and the peripherals of the CMSDK: another chip than those of the other
+//! boards, with its own interrupts, timers and memory ([`device`]). It has no CAN and no flash.
 //!
-//! CAN frames travel as lines of SLCAN over USART2, which the emulator serves on a TCP port. Parameters lie in a file of the
+//! CAN frames travel as lines of SLCAN over UART0, which the emulator serves on a TCP port. Parameters lie in a file of the
 //! host. Step pulses go nowhere, but they are timed and counted as on a board; a file of the host may tell which inputs they move along
 //! the axis. There is no mass, no end stop and no driver that feels one. All times are the emulator's virtual time.
-//!
-//! What the machine does not have must not be touched: reading the chip's unique number is a fault, and waiting for the PLL
-//! never ends.
 
+#[allow(dead_code, reason = "a chip has more than a firmware takes")]
+mod device;
 mod inputs;
 mod parameter_file;
 mod pulses;
@@ -20,7 +20,6 @@ use core::ptr::addr_of_mut;
 
 use cortex_m_rt::{exception, ExceptionFrame};
 use cortex_m_semihosting::{debug, heprintln};
-use stm32f4xx_hal::pac;
 
 use canopen::settings::Wish;
 use cia402::StepAxis;
@@ -32,15 +31,15 @@ use crate::control::{RATE_HZ, TIMING};
 use crate::stepping::SharedEmitter;
 
 app! {
-    device: stm32f4xx_hal::pac,
-    dispatchers: [SPI1, SPI2, SPI3],
-    pulses: [step: TIM2],
-    edge: [edge: EXTI9_5],
+    device: crate::board::qemu::device,
+    dispatchers: [PORT1, I2S, TSC],
+    pulses: [step: TIMER0],
+    edge: [edge: PORT0],
     trip: [],
     current: [],
-    can: [received: USART2],
-    refill: [refill: TIM3],
-    wake: [wake: TIM4],
+    can: [received: UART0RX],
+    refill: [refill: TIMER1],
+    wake: [wake: DUALTIMER],
 }
 
 /// The emulated board.
@@ -50,9 +49,9 @@ pub struct Qemu;
 static mut STEPS: step_interrupt::Shared = step_interrupt::Shared::new();
 
 impl Board for Qemu {
-    const TICKS_PER_MICROSECOND: u32 = 1_000;
-    const STEP_CLOCK_HZ: u32 = 1_000_000_000;
-    const SYSTEM_TIMER_HZ: u32 = 168_000_000;
+    const TICKS_PER_MICROSECOND: u32 = device::CLOCK_HZ / 1_000_000;
+    const STEP_CLOCK_HZ: u32 = device::CLOCK_HZ;
+    const SYSTEM_TIMER_HZ: u32 = device::CLOCK_HZ;
     const REFILLS: u32 = 4;
     const USER_MEMORY: usize = 20_480;
     const SCOPE_WORDS: usize = 5_120;
@@ -68,15 +67,14 @@ impl Board for Qemu {
     type InputLines = inputs::Lines;
     type Parameters = parameter_file::ParameterFile;
 
-    type Device = pac::Peripherals;
+    type Device = device::Peripherals;
 
-    fn start(device: pac::Peripherals) -> Parts<Self> {
-        let timer = step_timer::AlarmTimer::new(device.TIM2);
-        // SAFETY: the peripherals exist once, so this function is called once, and nobody else names the memory.
+    fn start(_device: device::Peripherals) -> Parts<Self> {
+        // SAFETY: the board starts once, so this function is called once, and nobody else names the memory.
         let shared = unsafe { &mut *addr_of_mut!(STEPS) };
-        let (queue, player) = step_interrupt::split(shared, timer, TIMING);
-        wake_timer::start(&device.TIM4);
-        refill_timer::start(device.TIM3, Self::STEP_CLOCK_HZ / RATE_HZ / Self::REFILLS);
+        let (queue, player) = step_interrupt::split(shared, step_timer::AlarmTimer, TIMING);
+        wake_timer::start();
+        refill_timer::start(Self::STEP_CLOCK_HZ / RATE_HZ / Self::REFILLS);
         Parts {
             pulses: pulses::InterruptPulses(queue),
             steps: pulses::StepPlayer {
@@ -85,22 +83,22 @@ impl Board for Qemu {
             },
             servo_objects: NoServoObjects,
             receiver: serial::Receiver::new(),
-            bus: serial::SerialBus::new(device.USART2),
+            bus: serial::SerialBus::new(),
             stage: IdealStage,
             lights: NoLights,
             input_lines: inputs::Lines,
             parameters: parameter_file::ParameterFile::open(),
-            // The machine has no pins.
+            // The firmware takes no pins.
             switches: Wish::NOTHING,
             factory_reset: false,
             serial_number: 1,
-            // SAFETY: the peripherals exist once, so this function is called once.
+            // SAFETY: as above.
             user_memory: unsafe { user_memory::take() },
         }
     }
 
     fn ticks() -> u32 {
-        virtual_nanoseconds()
+        now()
     }
 
     fn input_levels() -> u8 {
@@ -125,10 +123,9 @@ impl Board for Qemu {
     }
 }
 
-/// The emulator's time: a TIM5 that nobody ever wrote counts nanoseconds, also while it is not enabled.
-fn virtual_nanoseconds() -> u32 {
-    // SAFETY: reading the counter of TIM5 has no effect, and nobody writes the timer.
-    unsafe { (*pac::TIM5::ptr()).cnt().read().bits() }
+/// The emulator's time, in clocks.
+fn now() -> u32 {
+    device::FPGAIO.counter.read()
 }
 
 /// A power stage that always has its supply and never a fault; the watchdog is not emulated.

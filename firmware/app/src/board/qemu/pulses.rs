@@ -1,4 +1,4 @@
-//! Step pulses by interrupts, as the emulator's timers know no repetition counter.
+//! Step pulses by interrupts, as the timers of the machine drive no pin.
 
 use motion::step_interrupt::{Player, RecordQueue};
 use motion::{PulseSink, Record, Ticks};

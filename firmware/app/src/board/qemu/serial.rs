@@ -1,6 +1,6 @@
-//! The CAN bus of the emulator: SLCAN over USART2.
+//! The CAN bus of the emulator: SLCAN over UART0.
 //!
-//! The emulated USART sends a byte in the instruction that writes it and always has room for the next. It receives as
+//! The emulated port sends a byte in the instruction that writes it, as long as the host takes it. It receives as
 //! fast as the host can send; when the inbox is full the receive interrupt is switched off and the byte stays where it
 //! is, which holds up the sender.
 
@@ -8,37 +8,35 @@ use canopen::outbox::{Mailboxes, Room};
 use canopen::{BitRate, ControllerState, Frame};
 use cortex_m::peripheral::NVIC;
 use slcan::{Channel, Decoder};
-use stm32f4xx_hal::pac;
 
+use super::device::{Interrupt, Uart, UART0};
 use crate::board::Receive;
 use crate::clock;
 use runtime::{Controller, Inbox, Unreachable};
 
-/// USART2 and the client's channel.
+/// Clocks of a bit. The emulator has no use for it, but for that it is a valid one.
+const BIT: u32 = 16;
+
+/// UART0 and the client's channel.
 pub struct SerialBus {
-    serial: pac::USART2,
     channel: Channel,
 }
 
 impl SerialBus {
     /// The port is open for clients once the node is on, and takes bytes ([`Controller::resume`]): who is answered finds a node. Their
     /// channel is closed until they open it.
-    pub fn new(serial: pac::USART2) -> Self {
-        serial.cr1().write(|w| {
-            w.ue().enabled();
-            w.te().enabled();
-            w.re().enabled()
-        });
+    pub fn new() -> Self {
+        UART0.bauddiv.write(BIT);
+        UART0.ctrl.write(Uart::ENABLE);
         Self {
-            serial,
             channel: Channel::new(),
         }
     }
 
     fn write(&mut self, bytes: &[u8]) {
         for byte in bytes {
-            while self.serial.sr().read().txe().bit_is_clear() {}
-            self.serial.dr().write(|w| w.dr().set((*byte).into()));
+            while UART0.state.read() & Uart::TX_FULL != 0 {}
+            UART0.data.write((*byte).into());
         }
     }
 }
@@ -80,10 +78,10 @@ impl Controller for SerialBus {
     }
 
     fn resume(&mut self) {
-        if self.serial.cr1().read().rxneie().is_disabled() {
-            self.serial.cr1().modify(|_, w| w.rxneie().enabled());
-            // For the frame that waits, even if no byte follows it.
-            NVIC::pend(pac::Interrupt::USART2);
+        if UART0.ctrl.read() != Uart::ENABLE_WITH_RX_INTERRUPT {
+            UART0.ctrl.write(Uart::ENABLE_WITH_RX_INTERRUPT);
+            // For the frame that waits, and the byte, even if none follows it.
+            NVIC::pend(Interrupt::UART0RX);
         }
     }
 }
@@ -107,22 +105,22 @@ impl Receiver {
 
 impl Receive<SerialBus> for Receiver {
     fn on_interrupt(&mut self, bus: &mut SerialBus, inbox: &mut Inbox) {
+        // It stands for a byte that comes, not for one that is there.
+        UART0.intstatus.write(Uart::RX_INTERRUPT);
         loop {
             if let Some(frame) = self.waiting.take() {
                 if inbox.is_full() {
                     self.waiting = Some(frame);
-                    // The last byte was read, so the emulator has dropped the interrupt line; the next byte would raise it.
-                    bus.serial.cr1().modify(|_, w| w.rxneie().disabled());
+                    UART0.ctrl.write(Uart::ENABLE);
                     return;
                 }
                 inbox.put(frame, clock::now());
             }
-            // The emulator drops the interrupt line with each byte read, even if the next one is there: take them all.
-            if bus.serial.sr().read().rxne().bit_is_clear() {
+            if UART0.state.read() & Uart::RX_FULL == 0 {
                 return;
             }
             // Eight data bits.
-            let byte = bus.serial.dr().read().dr().bits() as u8;
+            let byte = UART0.data.read() as u8;
             if let Some(command) = self.decoder.push(byte) {
                 let answer = bus.channel.command(command);
                 bus.write(answer.reply);
