@@ -41,7 +41,11 @@ fn main() {
 
     // The drive, and the device of the benchmarks.
     println!("cargo:rerun-if-env-changed={CHOICE}");
-    let own = if has("ODRIVE36") { SERVO } else { STEPPER };
+    let own = if has("ODRIVE36") || has("STEPPER405") {
+        SERVO
+    } else {
+        STEPPER
+    };
     let data_sheet = env::var_os(CHOICE).unwrap_or_else(|| own.into());
     od_gen::build(
         Path::new(ROOT).join(data_sheet),

@@ -1,6 +1,7 @@
 """What the tests share: the image of the board, the chip that runs it, and a master on its bus.
 
-`--image` names the ELF file of the board `stm32f405`, `--servo-image` that of `odrive36`, `--plant` the program that plays its motor; `cargo xtask board-test` builds them."""
+`--image` names the ELF file of the board `stm32f405`, `--servo-image` that of `odrive36`, `--stepper-image` that of
+`stepper405`, `--plant` the program that plays its motor; `cargo xtask board-test` builds them."""
 
 import pathlib
 
@@ -22,6 +23,7 @@ NODE_ID = 5
 def pytest_addoption(parser):
     parser.addoption("--image", default=ROOT / "target" / "xtask" / "axis402-stm32f405.elf", help="the image that is flashed")
     parser.addoption("--servo-image", default=ROOT / "target" / "xtask" / "axis402-odrive36.elf", help="the image of the servo board")
+    parser.addoption("--stepper-image", default=ROOT / "target" / "xtask" / "axis402-stepper405.elf", help="the image of the board with two full bridges")
     parser.addoption("--plant", default=ROOT / "target" / "debug" / "examples" / "stepped_axis", help="the plant of the virtual drive on its wires")
 
 

@@ -1,5 +1,4 @@
-"""A motor with three phases on the half bridges of a servo board, its bus, and its encoder: the equations of docs/servo.md, step by step between
-what the chip does."""
+"""A motor on the bridges of a servo board, its bus, and its encoder: the equations of docs/servo.md, step by step between what the chip does."""
 
 import math
 
@@ -9,7 +8,6 @@ from stm32f405 import HZ
 STEP = 2_100
 #: A turn of the lines of an encoder.
 LINES = ((0, 0), (1, 0), (1, 1), (0, 1))
-PHASES = [2 * math.pi * n / 3 for n in range(3)]
 
 
 class Level:
@@ -24,7 +22,11 @@ class Level:
 
 
 class Motor:
-    """That of the board's data: `servo_100w` with an inertia behind it."""
+    """That of the data of `odrive36`: `servo_100w` with an inertia behind it, three phases on a half bridge each."""
+
+    phases = tuple(2 * math.pi * n / 3 for n in range(3))
+    #: What lies at the channels of the converters.
+    channels = {6: ("bus_counts",), 10: ("sensed", 1), 11: ("sensed", 2)}
 
     resistance, inductance, flux, pole_pairs = 0.6, 0.8e-3, 13.33e-3, 4
     inertia, friction, counts = 19.6e-6, 5e-3, 10_000
@@ -39,21 +41,30 @@ class Motor:
         self.is_held = False
         self.begin, self.count = self.encoder(), 0
         self.duties, self.most = None, 0.0
-        chip.adc.levels |= {6: Level(self, "bus_counts"), 10: Level(self, "sensed", 1), 11: Level(self, "sensed", 2)}
+        chip.adc.levels |= {channel: Level(self, *what) for channel, what in self.channels.items()}
         chip.tim1.centre.on_change = self.changed
         for pin in ("PB4", "PB5"):
             chip.pins.drive(pin, 0)
 
     def changed(self):
         self.advance(self.chip.now())
-        self.duties = self.chip.tim1.centre.duties()
+        self.duties = self.switched()
+
+    def switched(self):
+        """The share of the time in which each upper switch is on, or None while all are off."""
+        return self.chip.tim1.centre.duties()
+
+    def volts(self):
+        """Of the phases."""
+        mean = sum(self.duties) / 3
+        return [(duty - mean) * self.bus for duty in self.duties]
 
     def encoder(self):
         return math.floor(self.angle * self.counts / (2 * math.pi))
 
     def phase(self, n):
         """The current into a phase."""
-        angle = self.angle * self.pole_pairs - PHASES[n]
+        angle = self.angle * self.pole_pairs - self.phases[n]
         return self.d * math.cos(angle) - self.q * math.sin(angle)
 
     def bus_counts(self):
@@ -61,10 +72,14 @@ class Motor:
 
     def sensed(self, n):
         """What the converter has of it: amplifiers are a little off."""
-        return 2_048 + (9 if n == 1 else -14) + self.phase(n) / self.ampere
+        return 2_048 + (-14, 9, -14)[n] + self.phase(n) / self.ampere
 
     def torque(self):
-        return 1.5 * self.pole_pairs * self.flux * self.q
+        """Of the current."""
+        return len(self.phases) / 2 * self.pole_pairs * self.flux * self.q
+
+    def detent(self):
+        return 0.0
 
     def advance(self, time):
         while self.time < time:
@@ -79,10 +94,9 @@ class Motor:
             # The diodes take it down.
             self.d = self.q = 0.0
         else:
-            mean = sum(self.duties) / 3
-            volts = [(duty - mean) * self.bus for duty in self.duties]
-            d = 2 / 3 * sum(v * math.cos(electrical - phase) for v, phase in zip(volts, PHASES))
-            q = -2 / 3 * sum(v * math.sin(electrical - phase) for v, phase in zip(volts, PHASES))
+            volts, share = self.volts(), 2 / len(self.phases)
+            d = share * sum(v * math.cos(electrical - phase) for v, phase in zip(volts, self.phases))
+            q = -share * sum(v * math.sin(electrical - phase) for v, phase in zip(volts, self.phases))
             speed = self.velocity * self.pole_pairs
             back = speed * (self.inductance * self.d + self.flux)
             rise_d = (d - self.resistance * self.d + speed * self.inductance * self.q) / self.inductance
@@ -93,7 +107,7 @@ class Motor:
         if self.is_held:
             self.velocity = 0.0
             return
-        drive = self.torque() - self.load
+        drive = self.torque() - self.detent() - self.load
         change = drive * seconds / self.inertia
         brakes = self.friction * seconds / self.inertia
         velocity = self.velocity + change
@@ -107,3 +121,26 @@ class Motor:
             for pin, level in zip(("PB4", "PB5"), LINES[self.count % 4]):
                 if self.chip.pins.level(pin) != level:
                     self.chip.pins.drive(pin, level)
+
+
+class Stepper(Motor):
+    """That of the data of `stepper405`: `nema17` with the inertia of its rotor behind it, two phases on a full bridge each, behind a driver."""
+
+    phases = (0.0, math.pi / 2)
+    channels = {10: ("bus_counts",), 0: ("sensed", 0), 1: ("sensed", 1)}
+    resistance, inductance, flux, pole_pairs = 1.65, 3.2e-3, 3.66e-3, 50
+    inertia, friction, counts = 10.8e-6, 4e-3, 4_096
+    bus, ampere, volt = 24.0, 3.3 / 4096 / 20 / 10e-3, 3.3 / 4096 * 16
+
+    def detent(self):
+        return 0.015 * math.sin(200 * self.angle)
+
+    def switched(self):
+        """Without a pulse the inputs of the driver are low, and the lower switches on."""
+        if not self.chip.driver.is_on:
+            return None
+        return self.chip.tim1.centre.duties() or (0.0,) * 4
+
+    def volts(self):
+        plus_a, minus_a, plus_b, minus_b = self.duties
+        return [(plus_a - minus_a) * self.bus, (plus_b - minus_b) * self.bus]

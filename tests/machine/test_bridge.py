@@ -28,10 +28,10 @@ def chip(image):
     chip.leave()
 
 
-def bridge(chip, compares=(1_000, 1_750, 2_500), trigger=3_400, repeat=1, other={}):
+def bridge(chip, compares=(1_000, 1_750, 2_500), trigger=3_400, repeat=1, other={}, uppers=3):
     """Three half bridges, and the fourth channel whose signal rises shortly before the top."""
-    chip.store(GPIOA + 0x24, 4, 0x111)
-    chip.store(GPIOA, 4, chip.load(GPIOA, 4) | 0x2A_0000)
+    chip.store(GPIOA + 0x24, 4, 0x1111 >> 4 * (4 - uppers))
+    chip.store(GPIOA, 4, chip.load(GPIOA, 4) | 0xAA_0000 & (1 << 16 + 2 * uppers) - 1)
     chip.store(GPIOB + 0x24, 4, 0x1110_0000)
     chip.store(GPIOB, 4, chip.load(GPIOB, 4) | 0xA800_0000)
     values = {
@@ -167,6 +167,41 @@ def test_an_update_event_starts_them_as_well(chip):
     chip.run(1)
     assert chip.adc.lines() == (IRQ["ADC"],)
     chip.check()
+
+
+def four_inputs(chip, other={}):
+    """The four channels at the inputs of a driver, without complements and dead time; each update event starts the converters."""
+    values = {CR2: 2 << 4, CCMR2: 0x6868, CCER: 0x1111, BDTR: 1 << 15 | 1 << 11 | 1 << 10, CCR4: 3_000, RCR: 0}
+    bridge(chip, other=values | other, uppers=4)
+
+
+def test_four_half_bridges_whose_converters_start_at_both_ends(chip):
+    converters(chip)
+    four_inputs(chip)
+    assert chip.tim1.centre.duties() == (1_000 / HALF, 1_750 / HALF, 2_500 / HALF, 3_000 / HALF)
+    assert edges(chip, "PA11", 2 * HALF) == [(0, 1), (3_000, 0), (2 * HALF - 3_000, 1)]
+    for adc in (ADC1, ADC2):
+        chip.store(adc + ADC_SR, 4, 0)
+    begin, asked = chip.time, []
+    for _ in range(2 * HALF + 200):
+        chip.run(1)
+        if chip.adc.lines():
+            asked.append((chip.time - begin, chip.load(TIM1 + CR1, 4) >> 4 & 1))
+            for adc in (ADC1, ADC2):
+                chip.store(adc + ADC_SR, 4, 0)
+    # Behind the bottom, which was a moment ago, behind the top, where it counts down, and so on.
+    assert asked == [(120, 0), (HALF + 120, 1), (2 * HALF + 120, 0)]
+    chip.store(TIM1 + BDTR, 4, 1 << 11 | 1 << 10)
+    assert chip.tim1.centre.duties() is None and chip.tim1.centre.level("PA11") == 0
+    chip.check()
+
+
+def test_a_fourth_half_bridge_without_its_pin_is_told(chip):
+    four_inputs(chip)
+    chip.store(GPIOA, 4, chip.load(GPIOA, 4) & ~0xC0_0000)
+    chip.store(TIM1 + CCER, 4, 0x1111)
+    with pytest.raises(Breach, match="output 4 is on and has not one pin"):
+        chip.check()
 
 
 def test_a_regular_conversion_makes_way_for_the_injected_group_and_begins_anew(chip):

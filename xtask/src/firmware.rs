@@ -29,6 +29,9 @@ const WHOLE: &str = "stm32f405,sin-squared,block-transfer";
 /// The servo on the board ODrive v3.6, without logs.
 const ODRIVE: &str = "odrive36,sin-squared,block-transfer";
 
+/// The stepper in closed loop on the board with two full bridges, without logs.
+const STEPPER: &str = "stepper405,sin-squared,block-transfer";
+
 /// The drive on QEMU's machine.
 const EMULATED: &str = "qemu,sin-squared,block-transfer";
 
@@ -41,6 +44,8 @@ pub enum Image {
     Whole,
     /// The servo on the board ODrive v3.6, without logs.
     Odrive,
+    /// The stepper in closed loop on the board with two full bridges, without logs.
+    Stepper,
     /// The smallest drive that is still a good one (`eds/compact.eds`), without logs.
     Compact,
     /// The whole drive, or a product, as small as the compiler makes it.
@@ -63,9 +68,13 @@ impl Image {
     /// The name of the binary in `firmware/app`.
     fn binary(self) -> &'static str {
         match self {
-            Self::Board | Self::Whole | Self::Odrive | Self::Compact | Self::Least | Self::Qemu => {
-                "app"
-            }
+            Self::Board
+            | Self::Whole
+            | Self::Odrive
+            | Self::Stepper
+            | Self::Compact
+            | Self::Least
+            | Self::Qemu => "app",
             Self::Bench => "bench",
             Self::BasicDevice | Self::BasicDeviceForSize => "basic-device",
             Self::NoPanic | Self::NoPanicServo => "no-panic",
@@ -86,6 +95,7 @@ impl Image {
             Self::Board | Self::BasicDevice => &[],
             Self::NoPanic | Self::Whole => &["--no-default-features", "--features", WHOLE],
             Self::Odrive | Self::NoPanicServo => &["--no-default-features", "--features", ODRIVE],
+            Self::Stepper => &["--no-default-features", "--features", STEPPER],
             Self::Compact | Self::Least | Self::BasicDeviceForSize => {
                 &["--no-default-features", "--features", "stm32f405"]
             }
@@ -97,6 +107,7 @@ impl Image {
     pub fn board(self) -> &'static str {
         match self {
             Self::Odrive | Self::NoPanicServo => "odrive36",
+            Self::Stepper => "stepper405",
             Self::Qemu | Self::Bench => "qemu",
             _ => "stm32f405",
         }
@@ -133,6 +144,7 @@ impl Image {
             Self::Board => "axis402-stm32f405.elf",
             Self::Whole => "axis402-without-logs.elf",
             Self::Odrive => "axis402-odrive36.elf",
+            Self::Stepper => "axis402-stepper405.elf",
             Self::Compact => "axis402-compact.elf",
             Self::Least => "axis402-least.elf",
             Self::Qemu => "axis402-qemu.elf",

@@ -1,4 +1,5 @@
-"""TIM1 that counts up and down (RM0090, 17.3.3 to 17.3.15): three half bridges with dead time, and the moment in which the converters begin.
+"""TIM1 that counts up and down (RM0090, 17.3.3 to 17.3.15): three half bridges with dead time, or four inputs of a driver that has its own, and the moment in which the
+converters begin.
 
 What changes acts at the next update event, or it is a breach: preload is asked for. Where an odd RCR puts the update events the manual and its
 sisters tell differently, so a program must not rest on it: `odd_updates_at_top`."""
@@ -16,7 +17,7 @@ MMS_UPDATE, MMS_OC4REF = 2, 7
 #: Channel of each pin, and whether it is the complementary output; their alternate function is 1.
 OUTPUTS = {
     "PA8": (1, False), "PA9": (2, False), "PA10": (3, False), "PA7": (1, True), "PB0": (2, True), "PB1": (3, True),
-    "PB13": (1, True), "PB14": (2, True), "PB15": (3, True),
+    "PB13": (1, True), "PB14": (2, True), "PB15": (3, True), "PA11": (4, False),
 }  # fmt: skip
 
 #: An update event: its moment, whether it was at the top (the reload value) of the counter, and what acts from then on.
@@ -102,7 +103,7 @@ class Centre:
             self.chip.adc.trigger(TIM1_TRGO, True, at)
 
     def compare_event(self, at):
-        """The fourth channel, which drives no transistor: its signal rises or falls."""
+        """The signal of the fourth channel rises or falls."""
         tim1, self.edge_at = self.tim1, NEVER
         # Mode 1 is active below the compare value.
         rises = self.is_up == (self.mode(4) == 7)
@@ -138,7 +139,7 @@ class Centre:
         tim1 = self.tim1
         enabled = {
             (channel, complementary)
-            for channel in (1, 2, 3)
+            for channel in range(1, 5 if self.are_four() else 4)
             for complementary in (False, True)
             if tim1["CCER"] >> 4 * (channel - 1) & (4 if complementary else 1)
         }
@@ -149,6 +150,10 @@ class Centre:
                 tim1.breach(f"output {name} is on and has not one pin")
             if (channel, not complementary) in enabled and not self.dead_time():
                 tim1.breach(f"output {name} and its complement are on without dead time")
+
+    def are_four(self):
+        """Whether the channels drive four half bridges that have dead times of their own. Else the fourth needs no pin to start the converters."""
+        return self.tim1["CCER"] & 0x1555 == 0x1111
 
     def dead_time(self):
         """Clocks between one transistor of a half bridge and the other (BDTR, DTG)."""
@@ -196,9 +201,10 @@ class Centre:
         return self.half_at - self.reload if self.is_up else self.half_at
 
     def duties(self):
-        """The share of the time in which each upper transistor is to be on, or None while the outputs are off."""
+        """The share of the time in which each upper transistor is to be on, or None while the outputs are off: three with their complements, or four."""
         tim1 = self.tim1
-        if self.begin is None or not tim1["BDTR"] & MOE or tim1["CCER"] & 0x555 != 0x555:
+        number = 4 if self.are_four() else 3
+        if self.begin is None or not tim1["BDTR"] & MOE or number == 3 and tim1["CCER"] & 0x555 != 0x555:
             return None
-        shares = [min(compare, self.reload) / self.reload for compare in self.compares[:3]]
+        shares = [min(compare, self.reload) / self.reload for compare in self.compares[:number]]
         return tuple(1 - share if self.mode(i + 1) == 7 else share for i, share in enumerate(shares))

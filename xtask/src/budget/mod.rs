@@ -50,6 +50,13 @@ pub fn figures(whole: &Sizes) -> Result<Vec<(String, u64)>> {
         "odrive36, RAM with the stack".to_owned(),
         servo.total.ram + stack.start.max(stack.tasks),
     );
+    let stepper = size::of(Image::Stepper)?;
+    row("stepper405, flash".to_owned(), stepper.total.flash);
+    let stack = stack_of(Image::Stepper)?;
+    row(
+        "stepper405, RAM with the stack".to_owned(),
+        stepper.total.ram + stack.start.max(stack.tasks),
+    );
     for (name, folders) in [
         ("motion", &["motion"][..]),
         ("cia402", &["cia402", "cia402/parameters"]),

@@ -295,12 +295,16 @@ pub fn run(step: Step, ready: &Ready) -> Result<Run> {
             let mut command = pytest(&ready.python, FOLDERS[1]);
             command.arg("--image").arg(Image::Board.path());
             command.arg("--servo-image").arg(Image::Odrive.path());
+            command.arg("--stepper-image").arg(Image::Stepper.path());
             command.arg("--plant").arg(place::kept("stepped_axis"));
-            let built = checks([Image::Odrive.build_command()?])?;
-            if built.failed > 0 {
-                return Ok(Run::Done(built));
+            // Each is kept before the next one is built: they have the same name.
+            for image in [Image::Odrive, Image::Stepper] {
+                let built = checks([image.build_command()?])?;
+                if built.failed > 0 {
+                    return Ok(Run::Done(built));
+                }
+                image.keep()?;
             }
-            Image::Odrive.keep()?;
             let builds = [Image::Board.build_command()?, programs::build_command()];
             return played(step, builds, command);
         }
@@ -364,7 +368,7 @@ fn played(step: Step, builds: impl IntoIterator<Item = Command>, command: Comman
     Ok(Run::Built(Played { step, command }))
 }
 
-fn lints() -> [Command; 4] {
+fn lints() -> [Command; 5] {
     let strict = |mut command: Command| {
         command.args(["--", "-D", "warnings"]);
         command
@@ -381,7 +385,14 @@ fn lints() -> [Command; 4] {
         command
     };
     let host = cargo(&["clippy", "--workspace", "--exclude", "app", "--all-targets"]);
-    [host, app(), with("odrive36"), with("qemu")].map(strict)
+    [
+        host,
+        app(),
+        with("odrive36"),
+        with("stepper405"),
+        with("qemu"),
+    ]
+    .map(strict)
 }
 
 fn documentation() -> [Command; 1] {
@@ -401,6 +412,7 @@ fn images() -> Result<Count> {
         Image::NoPanicServo,
         Image::Board,
         Image::Odrive,
+        Image::Stepper,
         Image::Compact,
         Image::Qemu,
     ] {

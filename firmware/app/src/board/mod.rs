@@ -31,8 +31,10 @@ mod odrive36;
 #[cfg(feature = "qemu")]
 mod qemu;
 mod scope_memory;
-#[cfg(feature = "odrive36")]
+#[cfg(any(feature = "odrive36", feature = "stepper405"))]
 mod servo_stage;
+#[cfg(feature = "stepper405")]
+mod stepper405;
 #[cfg(feature = "stm32f405")]
 mod stm32f405;
 mod user_memory;
@@ -45,26 +47,24 @@ pub use odrive36::Odrive36 as Selected;
 #[cfg(feature = "qemu")]
 pub use qemu::Qemu as Selected;
 pub use scope_memory::SCOPE_MEMORY;
+#[cfg(feature = "stepper405")]
+use stepper405 as own;
+#[cfg(feature = "stepper405")]
+pub use stepper405::Stepper405 as Selected;
 #[cfg(feature = "stm32f405")]
 use stm32f405 as own;
 #[cfg(feature = "stm32f405")]
 pub use stm32f405::Stm32f405 as Selected;
 
-#[cfg(not(any(
-    all(
-        feature = "stm32f405",
-        not(any(feature = "qemu", feature = "odrive36"))
-    ),
-    all(
-        feature = "odrive36",
-        not(any(feature = "qemu", feature = "stm32f405"))
-    ),
-    all(
-        feature = "qemu",
-        not(any(feature = "stm32f405", feature = "odrive36"))
-    ),
-)))]
-compile_error!("exactly one of the features `stm32f405`, `odrive36` and `qemu` chooses the board");
+const BOARDS: usize = cfg!(feature = "stm32f405") as usize
+    + cfg!(feature = "stepper405") as usize
+    + cfg!(feature = "odrive36") as usize
+    + cfg!(feature = "qemu") as usize;
+
+const _: () = assert!(
+    BOARDS == 1,
+    "exactly one of the features `stm32f405`, `stepper405`, `odrive36` and `qemu` chooses the board"
+);
 
 /// What the firmware needs of a board.
 pub trait Board: Sized {

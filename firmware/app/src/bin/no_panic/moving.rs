@@ -7,9 +7,9 @@ use super::dictionary::Dictionary;
 use super::SCOPE;
 
 /// What moves the motor, as the board and its data sheet have it.
-#[cfg(not(feature = "odrive36"))]
+#[cfg(not(any(feature = "odrive36", feature = "stepper405")))]
 pub type Axis402 = StepAxis;
-#[cfg(feature = "odrive36")]
+#[cfg(any(feature = "odrive36", feature = "stepper405"))]
 pub type Axis402 = ServoAxis;
 
 /// How a drive is made with it.

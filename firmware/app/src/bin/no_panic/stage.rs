@@ -2,7 +2,7 @@
 
 use ::servo::interrupt::Counts;
 use ::servo::stage::drv8301::{Gain, Settings};
-use ::servo::stage::{sensors, thermistor, Counter, GateDriver};
+use ::servo::stage::{sensors, thermistor, BridgeDriver, Counter, GateDriver};
 use ::servo::Implausible;
 use cia402::{DriveConfig, Exchange, Inputs, Outputs};
 use motion::{PulseSink, Record};
@@ -82,6 +82,7 @@ pub fn loops(config: DriveConfig) -> Result<(), Implausible> {
         gain: Gain::Forty,
     };
     let mut gates = GateDriver::new(settings);
+    let mut bridges = BridgeDriver::new();
     while any() != 0 {
         match any() {
             0 => {
@@ -119,7 +120,14 @@ pub fn loops(config: DriveConfig) -> Result<(), Implausible> {
                 look(action.send.map_or(0, u32::from) ^ u32::from(action.enable));
                 look(u32::from(gates.is_ready()) ^ gates.fault().map_or(0, u32::from));
             }
-            4 => gates.mend(),
+            4 => {
+                gates.mend();
+                bridges.mend();
+            }
+            9 => {
+                bridges.tick(any() == 0, any() == 0);
+                look(u32::from(bridges.is_ready()) ^ bridges.fault().map_or(0, u32::from));
+            }
             5 => look(stage.0.position_at(any() as u16) as u32),
             6 => {
                 let record = Record {

@@ -1,0 +1,133 @@
+"""A chip with a stage and a motor on its pins, and a master that knows the data sheet of a servo: what the tests of the servo boards begin with."""
+
+import configparser
+import functools
+import io
+
+import canopen
+from canopen.profiles.p402 import BaseNode402
+from conftest import NODE_ID, ROOT, Starts, once
+from drive import ENABLE, OPERATION_ENABLED, SHUTDOWN, SWITCH_ON, Drive
+from measure import level
+from stm32f405.interrupts import IRQ
+
+PROFILE_TORQUE, PROFILE_POSITION = 4, 1
+#: Clocks of a period of the modulation.
+PERIOD = 8_400
+
+
+@functools.cache
+def data_sheet():
+    """That of the drive with a servo, as `eds/servo.toml` has it."""
+    sheet = configparser.RawConfigParser(strict=False)
+    sheet.optionxform = str
+    parts = [ROOT / "eds" / "parts" / f"{part}.eds" for part in ("torque", "tuning")]
+    sheet.read([ROOT / "eds" / "axis402.eds", *parts], encoding="utf-8")
+    text = io.StringIO()
+    sheet.write(text)
+    text.seek(0)
+    text.name = "servo.eds"
+    return canopen.import_od(text, NODE_ID)
+
+
+def commanded(bench):
+    """A master's drive on it."""
+    node = BaseNode402(NODE_ID, data_sheet())
+    bench.network.add_node(node)
+    return Drive(bench, node)
+
+
+def enable(drive, mode):
+    drive[0x6060] = mode
+    for word in (SHUTDOWN, SWITCH_ON, ENABLE):
+        drive[0x6040] = word
+        drive.bench.milliseconds(5)
+    drive.until(lambda: drive.state() == OPERATION_ENABLED, "enabled")
+    return drive
+
+
+def hold(servo, share):
+    """A torque in thousandths, on a rotor that is held."""
+    servo.chip.motor.is_held = True
+    servo[0x6087] = 10_000
+    servo[0x6071] = share
+    servo.bench.milliseconds(100)
+
+
+def move(servo, way):
+    """A profile position from where it is; gives the target."""
+    servo[0x6060] = PROFILE_POSITION
+    servo.bench.milliseconds(5)
+    target = servo[0x6064] + way
+    servo[0x607A] = target
+    servo[0x6040] = ENABLE | 0x10
+    return target
+
+
+def current_interrupts(chip, periods, more=0):
+    """The clocks that the interrupt of the converters takes in each of these periods, by the model of cost. `more`: how often it comes in a period beside the one."""
+    clocks = []
+    chip.core.count_cost()
+    served = chip.core.counts[16 + IRQ["ADC"]]
+    for _ in range(periods):
+        before = chip.core.shares.clocks[level(7)]
+        chip.run(PERIOD)
+        clocks.append(chip.core.shares.clocks[level(7)] - before)
+    assert chip.core.counts[16 + IRQ["ADC"]] - served == periods * (1 + more)
+    print(f"{sum(clocks) / periods:.0f} clocks in the mean, {max(clocks)} at most")
+    return clocks
+
+
+class Kind:
+    """A servo board: `begin` is a chip from power-on with what hangs on it, `rated` 6075h and 6076h."""
+
+    def __init__(self, image, begin, rated):
+        self.image, self.begin, self.rated = image, begin, rated
+
+    def numbered(self):
+        """The parameter sectors of one that has stored its node-ID."""
+
+        def number(start):
+            bench = self.begin(start)
+            bench.milliseconds(150)
+            bench.give_node_id(NODE_ID, store=True)
+            bench.chip.cycle_power()
+            bench.chip.leave()
+            return bench.chip.parameters
+
+        return once(self.image, number)
+
+    def booted(self):
+        """The bench of one with the stage ready, from which tests begin."""
+        flash = self.numbered()
+
+        def boot(start):
+            bench = self.begin(start, flash=flash)
+            bench.chip.run(20_000_000, lambda: bench.frames)
+            bench.milliseconds(60)
+            drive = commanded(bench)
+            drive[0x6075], drive[0x6076] = self.rated
+            return bench
+
+        return once(self.image, boot)
+
+    def found(self, booted):
+        """The same behind its first enable, in which the magnet is found."""
+
+        def find(start):
+            bench = start.like(booted)
+            drive = commanded(bench)
+            enable(drive, PROFILE_TORQUE)
+            bench.milliseconds(1_050)
+            assert drive.state() == OPERATION_ENABLED
+            return bench
+
+        return once(self.image, find)
+
+
+def starting(image, monkeypatch):
+    """For a fixture: starts chips with this image."""
+    starts = Starts(image, monkeypatch)
+    yield starts
+    for bench in starts.benches:
+        bench.chip.leave()
