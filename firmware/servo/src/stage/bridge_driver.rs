@@ -1,4 +1,5 @@
-//! A driver with bridges of its own that takes pulse widths, an enable and no words (DRV8412 and its like): one line tells that it has shut itself off, and why is not told.
+//! A driver with bridges of its own that takes pulse widths, an enable and no words (DRV8412 and
+//! its like): one line tells that it has shut itself off, and why is not told.
 
 /// Error code 5400h of CiA 402: the hardware of the power section.
 const POWER_SECTION: u16 = 0x5400;
@@ -23,7 +24,8 @@ impl BridgeDriver {
         }
     }
 
-    /// A tick of a millisecond: whether its line has told of no fault since the last one, and whether it has its supply. Without that it tells of faults that are none.
+    /// A tick of a millisecond: whether its line has told of no fault since the last one, and
+    /// whether it has its supply. Without that it tells of faults that are none.
     pub fn tick(&mut self, is_well: bool, is_fed: bool) {
         if !is_fed {
             *self = Self::new();

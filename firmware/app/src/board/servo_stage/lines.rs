@@ -1,4 +1,5 @@
-//! The lines of the interrupt controller: input 6, the index of the encoder, each edge of which reads the timer of the encoder; and nFAULT, which takes the current at once.
+//! The lines of the interrupt controller: input 6, the index of the encoder, each edge of which
+//! reads the timer of the encoder; and nFAULT, which takes the current at once.
 
 use stm32f4xx_hal::gpio::{Edge, ExtiPin, PinExt};
 use stm32f4xx_hal::pac;

@@ -1,7 +1,8 @@
-//! What the boards with a servo share: the loops in the interrupt of the converters, TIM1 with the bridges of the motor, the encoder at TIM3, and the control tick's end of the
-//! link.
+//! What the boards with a servo share: the loops in the interrupt of the converters, TIM1 with the
+//! bridges of the motor, the encoder at TIM3, and the control tick's end of the link.
 //!
-//! What a board has of its own here it gives as [`own`]: its motor, the channels of its converters, its bridges, and how the gates go on and off.
+//! What a board has of its own here it gives as [`own`]: its motor, the channels of its converters,
+//! its bridges, and how the gates go on and off.
 
 pub mod converters;
 pub mod encoder;
@@ -36,7 +37,8 @@ pub static LINK: Link = Link::new();
 
 /// The bridges of the motor, and what else the loops switch.
 pub trait Bridges {
-    /// Whether the samples are those of the time in which the lower switches are on, where the converters are started at other times too.
+    /// Whether the samples are those of the time in which the lower switches are on, where the
+    /// converters are started at other times too.
     fn is_sampled(&self) -> bool {
         true
     }
@@ -65,8 +67,9 @@ const _: () = assert!(
 
 static mut INNER: MaybeUninit<Inner> = MaybeUninit::uninit();
 
-/// The loops, with the converters and with bridges that are made last: they bring the first interrupt, which waits until all is set up. Called once, by a board with interrupts
-/// off, once the encoder counts.
+/// The loops, with the converters and with bridges that are made last: they bring the first
+/// interrupt, which waits until all is set up. Called once, by a board with interrupts off, once
+/// the encoder counts.
 pub fn start(
     converters: converters::Currents,
     bridges: impl FnOnce() -> own::Bridges,
@@ -80,7 +83,8 @@ pub fn start(
         converters,
         bridges: bridges(),
     };
-    // SAFETY: converters and bridges exist once, so this function is called once, and the interrupt that has the memory from then on has not come yet.
+    // SAFETY: converters and bridges exist once, so this function is called once, and the interrupt
+    // that has the memory from then on has not come yet.
     unsafe { (*addr_of_mut!(INNER)).write(inner) };
     let objects = LinkedServoObjects {
         link: &LINK,
@@ -91,7 +95,8 @@ pub fn start(
 
 /// See [`Board::on_current`].
 pub fn on_current() {
-    // SAFETY: it was written before interrupts were on, and this interrupt alone, which does not interrupt itself, has it since.
+    // SAFETY: it was written before interrupts were on, and this interrupt alone, which does not
+    // interrupt itself, has it since.
     let inner = unsafe { (*addr_of_mut!(INNER)).assume_init_mut() };
     if !inner.bridges.is_sampled() {
         inner.converters.pass();

@@ -1,7 +1,8 @@
 //! TIM1: the half bridges of the motor, and the moment at which the currents are converted.
 //!
-//! It counts up and down; an upper switch is on below its compare value, so the lower ones are on around the top. There the converters are started. What they lead to is written
-//! before the bottom, where the timer takes it over.
+//! It counts up and down; an upper switch is on below its compare value, so the lower ones are on
+//! around the top. There the converters are started. What they lead to is written before the
+//! bottom, where the timer takes it over.
 
 use core::sync::atomic::{AtomicBool, Ordering};
 
@@ -95,7 +96,8 @@ impl Motor {
         }
     }
 
-    /// The widths that act from the bottom on, by `write` to the compare values; without any all switches are off.
+    /// The widths that act from the bottom on, by `write` to the compare values; without any all
+    /// switches are off.
     #[inline]
     pub fn put(&mut self, widths: Option<[f32; 3]>, write: impl FnOnce(&pac::TIM1, [f32; 3])) {
         let Some(widths) = widths else {
@@ -108,7 +110,8 @@ impl Motor {
         if core::mem::replace(&mut self.is_armed, true) && !has_tripped() {
             gates_on();
         }
-        // A trip between the look at it and the switch is seen here, one that comes later switches off itself.
+        // A trip between the look at it and the switch is seen here, one that comes later switches
+        // off itself.
         if has_tripped() {
             self.is_armed = false;
             gates_off();
@@ -118,7 +121,8 @@ impl Motor {
 
 /// The outputs are the timer's. For the interrupt of the currents.
 pub fn outputs_on() {
-    // SAFETY: the interrupt that calls this is the only one that sets the bit; who clears it meanwhile is looked for behind it.
+    // SAFETY: the interrupt that calls this is the only one that sets the bit; who clears it
+    // meanwhile is looked for behind it.
     unsafe {
         (*pac::TIM1::ptr())
             .bdtr()
@@ -129,7 +133,8 @@ pub fn outputs_on() {
 /// All outputs are low, and so is the next period.
 #[inline(always)]
 pub fn outputs_off() {
-    // SAFETY: one bit of a register of which nobody changes another; without it all outputs are low.
+    // SAFETY: one bit of a register of which nobody changes another; without it all outputs are
+    // low.
     unsafe {
         (*pac::TIM1::ptr())
             .bdtr()

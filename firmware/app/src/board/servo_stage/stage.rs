@@ -1,4 +1,5 @@
-//! The power stage for the control tick: what drives its gates, its temperature, its brake, the outputs and the watchdog. What the loops do is on the other side of the link.
+//! The power stage for the control tick: what drives its gates, its temperature, its brake, the
+//! outputs and the watchdog. What the loops do is on the other side of the link.
 
 use cia402::Inputs;
 use stm32f4xx_hal::gpio::{ErasedPin, Output};

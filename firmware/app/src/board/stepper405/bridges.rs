@@ -1,10 +1,14 @@
-//! The two full bridges: TIM1's four channels, a half bridge each, and the driver behind them with its enable and its fault line.
+//! The two full bridges: TIM1's four channels, a half bridge each, and the driver behind them with
+//! its enable and its fault line.
 //!
-//! All four channels make pulses, so none is left to start the converters just before the top: each update event does, at the top and at the bottom, and what is converted at the
-//! bottom, where the upper switches are on and the widths have just been taken over, is not looked at. An odd repetition counter would bring an event at one end alone, but the
-//! widths would be taken over at that end alone too, half a period late.
+//! All four channels make pulses, so none is left to start the converters just before the top: each
+//! update event does, at the top and at the bottom, and what is converted at the bottom, where the
+//! upper switches are on and the widths have just been taken over, is not looked at. An odd
+//! repetition counter would bring an event at one end alone, but the widths would be taken over at
+//! that end alone too, half a period late.
 //!
-//! An input that is low turns the lower switch on: without the enable alone there is no current. So the gates are the enable.
+//! An input that is low turns the lower switch on, so the enable alone takes the current:
+//! it is what the gates are here.
 
 use servo::stage::BridgeDriver;
 use stm32f4xx_hal::gpio::{Input, Output, PA3, PB13};
@@ -135,7 +139,8 @@ impl stage::Driver for Driver {
         self.driver.fault()
     }
 
-    /// The rising edge clears what has latched. For the microsecond behind it the lower switches are on.
+    /// The rising edge clears what has latched. For the microsecond behind it the lower switches
+    /// are on.
     fn mend(&mut self) {
         self.enable.set_high();
         cortex_m::asm::delay(CORE_HZ / 1_000_000);
@@ -150,11 +155,13 @@ const PORTS: u32 = 1 << 1 | 1 << 2;
 const TIM1: u32 = 1 << 0;
 const BRAKE_LOW: u32 = 1 << (16 + 2);
 
-/// Takes the current from the motor and closes the brake, whoever owns the pins. Nothing runs after it but a log line.
+/// Takes the current from the motor and closes the brake, whoever owns the pins. Nothing runs after
+/// it but a log line.
 #[inline(always)]
 pub fn cut() {
-    // SAFETY: the owners of these registers never run again. The clocks come first, as this may be before they were set up; a pin that is no
-    // output yet is held by the resistors around the chip.
+    // SAFETY: the owners of these registers never run again. The clocks come first, as this may be
+    // before they were set up; a pin that is no output yet is held by the resistors around the
+    // chip.
     unsafe {
         let rcc = &*pac::RCC::ptr();
         rcc.ahb1enr().modify(|r, w| w.bits(r.bits() | PORTS));

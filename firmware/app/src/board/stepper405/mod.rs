@@ -1,7 +1,9 @@
-//! The board: that of `stm32f405` with two full bridges in place of the step driver: a two-phase stepper with an encoder, in closed loop. What both boards have has the same pins.
+//! The board: that of `stm32f405` with two full bridges in place of the step driver: a two-phase
+//! stepper with an encoder, in closed loop. What both boards have has the same pins.
 //!
-//! The bridges are those of a driver with a pulse width input for each of its four half bridges, with dead times of its own, an enable without which all its switches are off, and
-//! a fault line: a DRV8412, or one of its kind.
+//! The bridges are those of a driver with a pulse width input for each of its four half bridges,
+//! with dead times of its own, an enable without which all its switches are off, and a fault line:
+//! a DRV8412, or one of its kind.
 //!
 //! | pin | what | |
 //! |---|---|---|
@@ -23,9 +25,11 @@
 //! | PB8, PB9 | CAN receive, transmit | CAN1 |
 //! | PC6, PC7, PC12 | green light, red light, light of the drive | high is on |
 //!
-//! Of this package all pins of TIM1's channels are at PA8 to PA11, so what `stm32f405` has there, inputs 5 and 6, lies elsewhere or nowhere; its outputs 1 and 2 make way for the encoder and PB5.
+//! Of this package all pins of TIM1's channels are at PA8 to PA11, so what `stm32f405` has there,
+//! inputs 5 and 6, lies elsewhere or nowhere; its outputs 1 and 2 make way for the encoder and PB5.
 //!
-//! Core 168 MHz, TIM1 168 MHz, APB1 42 MHz (CAN), its timers 84 MHz (TIM3 encoder, TIM5 time and the deadlines of the node).
+//! Core 168 MHz, TIM1 168 MHz, APB1 42 MHz (CAN), its timers 84 MHz (TIM3 encoder, TIM5 time and
+//! the deadlines of the node).
 
 mod bridges;
 mod motor;
@@ -61,7 +65,8 @@ app! {
 /// The board.
 pub struct Stepper405;
 
-/// The bits of inputs 1 to 4, PA4 to PA7, of the index, PD2, and of the fault, PA3, in their registers.
+/// The bits of inputs 1 to 4, PA4 to PA7, of the index, PD2, and of the fault, PA3, in their
+/// registers.
 const FIRST: u32 = 4;
 const PLAIN: u32 = 0xF;
 const INDEX: u32 = 1 << 2;
@@ -123,7 +128,8 @@ impl Board for Stepper405 {
         );
 
         chip::start_time(device.TIM5, &mut rcc);
-        // A debugger that stops the core stops the pulses: all lower switches are on, and no current rises.
+        // A debugger that stops the core stops the pulses: all lower switches are on, and no
+        // current rises.
         device
             .DBGMCU
             .apb2_fz()

@@ -1,4 +1,5 @@
-//! The motor, and what the board measures of it. A master may say more of the motor (20C2h); what is fixed here is its encoder, its pole pairs, its currents and the bus.
+//! The motor, and what the board measures of it. A master may say more of the motor (20C2h); what
+//! is fixed here is its encoder, its pole pairs, its currents and the bus.
 //!
 //! It is the stepper of the virtual axis `nema17`. Another one is another `DATA`.
 
