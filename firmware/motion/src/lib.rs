@@ -16,19 +16,20 @@
 //! | draft | what a plan starts from, copied at the horizon: it is made while the motion before is played |
 //! | lead | how a plan begins in a smooth ramp: the end of that ramp, or a jerk to zero acceleration |
 //! | phase | a stretch of a plan with constant acceleration or constant jerk |
-//! | corner | the tick at which one phase or segment ends and the next begins |
+//! | corner | the tick at which one phase or path segment ends and the next begins |
 //! | ramp | a change of velocity: linear, sin², with limited jerk, or the moving average of a linear one |
 //! | mean | the moving average of a plan over a *window* of time, taken from samples on a *grid* |
 //! | junction | the tick at which the plan below a mean may change: up to there it has been sampled |
-//! | path | set-points with their ticks, as cyclic modes give them; from one to the next is a *segment* of it |
+//! | path | set-points with their ticks, as cyclic modes give them; from one to the next is a *path segment* |
 //! | polynomial | of degree 3 at most, up to an end tick: what every trajectory comes as |
 //! | piece | a ramp or a cruise of a plan, as the plan keeps it until one of its phases is entered |
+//! | anchor | the moment for which position, velocity and acceleration of a piece or phase are kept |
 //! | chord | as much of a polynomial as becomes pulses in one go: evenly spaced between its first crossing and its last |
 //! | crossing | where the position passes the middle between two whole steps: there the pulse belongs |
 //! | record | a run of equal periods, each with a pulse, or silence; what a sink plays |
 //! | train | the account of steps and ticks that makes records of chords |
 //! | open period | the time behind the last pulse, which becomes a record when it is known how long it is |
-//! | segment | a quarter of a millisecond on the board: a refill hands out one, and two are committed |
+//! | segment | of time, a quarter of a millisecond on the board: a refill commits one, and two are committed ahead |
 //! | committed | given to the timer as records: it will be played, whatever is ordered |
 //! | horizon | the tick up to which the trajectory has become records; a new order plans from the state there |
 //! | refill | a call of [`Axis::advance`], which commits up to two segments |

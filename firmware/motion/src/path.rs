@@ -1,6 +1,6 @@
 //! A path through set-points that come one by one: where the axis is to be between them.
 //!
-//! A segment leads from one set-point to the next, in a straight line or as a cubic whose velocity is given at both ends. The next one
+//! A path segment leads from one set-point to the next, in a straight line or as a cubic whose velocity is given at both ends. The next one
 //! begins exactly on its set-point, so nothing adds up however many there are.
 //!
 //! A path whose next segment is late coasts: it goes on at its last velocity for a short while, then it stands.
@@ -12,7 +12,7 @@ use crate::iterations::Iterations;
 use crate::low;
 use crate::stepper::polynomial::Polynomial;
 
-/// Segments that are kept: the one that is becoming pulses, and those behind it. A power of two.
+/// Path segments that are kept: the one that is becoming pulses, and those behind it. A power of two.
 const MOST_SEGMENTS: usize = 4;
 
 /// Why a set-point is not taken. The motion goes on as it was.
@@ -48,7 +48,7 @@ pub(crate) enum Interpolation {
 
 /// From one set-point to the next.
 #[derive(Debug, Clone, Copy)]
-struct Segment {
+struct PathSegment {
     start: Ticks,
     /// In ticks, at least 1.
     length: u32,
@@ -59,7 +59,7 @@ struct Segment {
     is_mean: bool,
 }
 
-impl Segment {
+impl PathSegment {
     /// In a straight line, with a velocity Q96 and the same rounded.
     #[inline]
     const fn line(
@@ -172,7 +172,7 @@ fn rate(distance: i64, length: u32) -> i128 {
 #[derive(Debug, Clone)]
 pub(crate) struct Path {
     /// Kept round and round.
-    segments: [Segment; MOST_SEGMENTS],
+    segments: [PathSegment; MOST_SEGMENTS],
     /// The place of the first segment, and how many there are: at least one.
     first: u8,
     count: u8,
@@ -187,7 +187,7 @@ impl Path {
     /// A path that stands in `at`, to be gone on with at tick `start`.
     pub(crate) fn new(start: Ticks, at: State, coasting: u32) -> Self {
         // A segment without length: the path is at its end.
-        let begin = Segment::steady(start, 0, at.position, at.position, at.velocity);
+        let begin = PathSegment::steady(start, 0, at.position, at.position, at.velocity);
         let mut path = Self {
             segments: [begin; MOST_SEGMENTS],
             first: 0,
@@ -201,7 +201,7 @@ impl Path {
     }
 
     /// This is the last segment from now on.
-    fn ends_with(&mut self, last: &Segment) {
+    fn ends_with(&mut self, last: &PathSegment) {
         let coasting = if last.velocity() == 0 {
             0
         } else {
@@ -213,12 +213,12 @@ impl Path {
 
     /// A segment, counted from the first one.
     #[inline]
-    fn segment(&self, number: u8) -> Option<&Segment> {
+    fn segment(&self, number: u8) -> Option<&PathSegment> {
         let place = usize::from(self.first.wrapping_add(number)) % MOST_SEGMENTS;
         self.segments.get(place).filter(|_| number < self.count)
     }
 
-    fn last(&self) -> Option<&Segment> {
+    fn last(&self) -> Option<&PathSegment> {
         self.segment(self.count.wrapping_sub(1))
     }
 
@@ -278,17 +278,17 @@ impl Path {
         }
         let segment = match interpolation {
             Interpolation::Linear => {
-                Segment::straight(start, length, from.position, to, self.last())
+                PathSegment::straight(start, length, from.position, to, self.last())
             }
             Interpolation::Steady(velocity) => {
-                Segment::steady(start, length, from.position, to, velocity)
+                PathSegment::steady(start, length, from.position, to, velocity)
             }
             Interpolation::Cubic(velocity) => {
                 let to = State {
                     position: to,
                     velocity,
                 };
-                Segment::cubic(start, length, from, to)
+                PathSegment::cubic(start, length, from, to)
             }
         };
         self.ends_with(&segment);
@@ -312,7 +312,7 @@ impl Path {
             velocity: last.velocity(),
         };
         let mut polynomial = Polynomial::line(self.rest, from);
-        // The time for which it goes on is a few segments.
+        // The time for which it goes on is two segments of time.
         polynomial.advance_by(low::u32(t.saturating_sub(last.polynomial.end)));
         Some(polynomial)
     }

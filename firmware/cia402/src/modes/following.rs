@@ -58,7 +58,7 @@ struct Knot {
 
 /// How the next set-point is gone to.
 #[derive(Clone, Copy, Debug)]
-struct Segment {
+struct PathSegment {
     /// The time from the set-point before.
     interval: MicrosQ16,
     /// It begins where the last set-point was, about a period before.
@@ -248,7 +248,7 @@ impl Following {
         end: MicrosQ16,
         period: MicrosQ16,
         motor: &mut Motor<impl Actuator>,
-    ) -> Option<Segment> {
+    ) -> Option<PathSegment> {
         let is_steady = |interval: MicrosQ16| interval.abs_diff(period) <= period / 4;
         let mut path = motor.path_to(end);
         if let Some(waiting) = self.waiting {
@@ -258,7 +258,7 @@ impl Following {
                 if self.is_catching_up {
                     self.distance = over(self.distance, waiting.interval, interval);
                 }
-                return Some(Segment {
+                return Some(PathSegment {
                     interval,
                     is_in_step: true,
                 });
@@ -281,7 +281,7 @@ impl Following {
             self.at = self.at.wrapping_add(away);
             self.distance = path.distance >> (32 - POINT);
         }
-        (interval >= period / 4).then_some(Segment {
+        (interval >= period / 4).then_some(PathSegment {
             interval,
             is_in_step,
         })

@@ -106,7 +106,7 @@ impl Axis {
     ) -> Result<(), FollowError> {
         let horizon = self.horizon();
         if let Some(path) = &mut self.path {
-            // The segment that the axis is on stays as it is.
+            // The path segment that the axis is on stays as it is.
             if path.end().0 < horizon {
                 self.stepper.leave();
             }
