@@ -52,7 +52,7 @@ pub(crate) struct NetworkClock {
     pll: Pll,
     is_synced: bool,
     /// SYNCs for one set-point.
-    share: u32,
+    syncs_per_set_point: u32,
     /// SYNCs for one set-point as 60C2h says.
     nominal: u32,
     /// 60C2h, as it was when that was found.
@@ -113,7 +113,7 @@ impl NetworkClock {
         Self {
             pll: Pll::new(),
             is_synced: false,
-            share: 1,
+            syncs_per_set_point: 1,
             nominal: 1,
             interpolation: 0,
             since: 0,
@@ -151,9 +151,9 @@ impl NetworkClock {
     /// The time between set-points.
     pub(crate) fn period(&self) -> MicrosQ16 {
         let period = self.pll.period();
-        match self.share {
+        match self.syncs_per_set_point {
             1 => period,
-            share => period.saturating_mul(share.into()),
+            number => period.saturating_mul(number.into()),
         }
     }
 
@@ -178,7 +178,7 @@ impl NetworkClock {
         if arrival == Arrival::OutOfTurn {
             return;
         }
-        self.find_share(interpolation);
+        self.find_syncs_per_set_point(interpolation);
         self.step();
         if is_new {
             self.early = Some(event);
@@ -186,7 +186,7 @@ impl NetworkClock {
                 return self.slot(slots);
             }
         }
-        if self.since >= self.share {
+        if self.since >= self.syncs_per_set_point {
             self.slot(slots);
         }
     }
@@ -203,7 +203,7 @@ impl NetworkClock {
         while !slots.is_full() && self.pll.misses(now) {
             has_missed = true;
             self.step();
-            if self.since >= self.share {
+            if self.since >= self.syncs_per_set_point {
                 self.slot(slots);
             }
         }
@@ -220,15 +220,15 @@ impl NetworkClock {
     fn is_at_slot(&mut self) -> bool {
         let apart = self.spacing.come();
         if !self.pll.is_locked() {
-            self.share = self.share.min(self.since).max(1);
+            self.syncs_per_set_point = self.syncs_per_set_point.min(self.since).max(1);
             return true;
         }
         match self.spacing.steady() {
-            Some(apart) if apart != self.share && apart <= self.nominal => {
-                self.share = apart.max(1);
+            Some(apart) if apart != self.syncs_per_set_point && apart <= self.nominal => {
+                self.syncs_per_set_point = apart.max(1);
                 true
             }
-            _ => apart >= self.share.saturating_mul(PAUSE),
+            _ => apart >= self.syncs_per_set_point.saturating_mul(PAUSE),
         }
     }
 
@@ -249,7 +249,7 @@ impl NetworkClock {
     }
 
     /// How many SYNCs make one set-point, as long as the period is not settled and when 60C2h changes.
-    fn find_share(&mut self, interpolation: MicrosQ16) {
+    fn find_syncs_per_set_point(&mut self, interpolation: MicrosQ16) {
         if self.pll.is_locked() && self.interpolation == interpolation {
             return;
         }
@@ -257,14 +257,14 @@ impl NetworkClock {
         let period = self.pll.period();
         let micros = |time: MicrosQ16| u32::try_from(time >> POINT).unwrap_or(u32::MAX);
         let half = micros(period) / 2;
-        let share = micros(interpolation)
+        let syncs = micros(interpolation)
             .saturating_add(half)
             .checked_div(micros(period))
             .unwrap_or(1);
-        let whole = period.saturating_mul(share.into());
+        let whole = period.saturating_mul(syncs.into());
         let is_near = whole.abs_diff(interpolation) <= period / 8;
-        self.nominal = if is_near { share.max(1) } else { 1 };
-        self.share = self.nominal;
+        self.nominal = if is_near { syncs.max(1) } else { 1 };
+        self.syncs_per_set_point = self.nominal;
     }
 
     /// Whether sync events come with another period than one that is set up, where that is known.
