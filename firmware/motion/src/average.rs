@@ -1,8 +1,8 @@
 //! The moving average of a plan: ramps of limited jerk, whatever the plan does.
 //!
 //! A plan of linear ramps, cheap to make and to change, runs ahead; the axis is where the mean of its positions over a *window* of time is.
-//! Where the plan changes its acceleration at once, the mean does so evenly over the window: at a jerk of (a + d) / window at most, whatever comes
-//! after whatever. Velocity and acceleration are means too, so no limit of the plan is exceeded, nor is the span of its positions. The price is
+//! Where the plan changes its acceleration at once, the mean does so evenly over the window: at a jerk of (a + d) / window at most, whichever ramp
+//! follows which. Velocity and acceleration are means too, so no limit of the plan is exceeded, nor is the span of its positions. The price is
 //! time: the mean comes to rest one window behind the plan.
 //!
 //! The plan is looked at on a grid. Between two samples its position counts as a straight line, so that the mean is a parabola
@@ -34,7 +34,7 @@ const MOST_SAMPLED: u32 = 1 << 16;
 
 /// Where the mean is, and what it is made of.
 ///
-/// In the order that is written here, as in [`Axis`](crate::Axis): what is large comes last, so that all else is reached in one instruction.
+/// The fields lie in memory in this order, as in [`Axis`](crate::Axis): what is large last, so that one instruction reaches each.
 #[derive(Debug, Clone)]
 #[repr(C)]
 pub(crate) struct Average {

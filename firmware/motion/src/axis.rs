@@ -77,7 +77,7 @@ impl core::error::Error for AdvanceError {}
 
 /// A stepper axis.
 ///
-/// In the order that is written here: what a refill asks for comes first, and what is large last, so that an instruction reaches it.
+/// The fields lie in memory in this order: first what a refill uses, last what is large, so that one instruction reaches each.
 #[derive(Debug, Clone)]
 #[repr(C)]
 pub struct Axis {

@@ -104,7 +104,7 @@ impl Velocity {
         }
     }
 
-    /// Whether a tick is less than what a [`Position`] can tell: slower than 2⁻³² steps per tick.
+    /// Whether it covers less in a tick than a [`Position`] resolves: slower than 2⁻³² steps per tick.
     pub(crate) const fn is_below_resolution(self) -> bool {
         self.0.unsigned_abs() < 1 << 24
     }

@@ -9,7 +9,7 @@
 //! - It begins where the motor stands. Set-points that are not there, and later what is farther away than 607Fh and 6080h allow in one
 //!   period, are caught up with: at these velocities, on the ramps 6083h and 6084h within 60C5h and 60C6h.
 //! - So is what 60C5h and 60C6h do not allow, as far as whole units let it be known ([`acceleration`]).
-//! - What is farther away than one motion leads counts as just so far: differences fit into their numbers.
+//! - A set-point that is farther away than one motion may lead is cut to that distance, so that no difference overflows.
 //! - Before a software limit 607Dh the motor slows down with 6085h and stops on it. The way back is free.
 //! - A set-point that is missing is bridged at the velocity before, as often as 2051h:1 says. One is missing only where the motor
 //!   moves; where the last set-point was the only one, the motor stays there.

@@ -192,7 +192,7 @@ fn ramp_in(mode: Mode, ramp: StopRamp, commands: &Commands, configuration: &Conf
     deceleration.min(configuration.max_deceleration)
 }
 
-/// The mode at work, with what it keeps from tick to tick: one mode has nothing that another one may look for.
+/// The mode at work, with what it keeps from tick to tick. No mode uses what another one keeps.
 #[derive(Debug)]
 enum ActiveMode {
     NoMode,

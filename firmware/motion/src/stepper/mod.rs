@@ -6,7 +6,7 @@
 //!
 //! Where pulses are many, a tick is found from the velocity there, by one division of 32 bits, and a chord goes on with the period of
 //! the one before. Where they are few, the position counts as a straight line over the chord, which is short enough for that to be true within
-//! a quarter of a step. Where a tick is less than a position in Q32 can tell, it is found from the whole of it.
+//! a quarter of a step. Where a tick covers less than 2⁻³² steps, it is found from all bits of the position.
 
 pub(crate) mod polynomial;
 mod train;
@@ -193,7 +193,7 @@ impl Stepper {
 
     /// Makes the records of a chord: such a one that they lead up to tick `enough`, if one chord can do that. No chord where the one before leads there.
     ///
-    /// It is not far from what was committed, so 32 bits of it are told.
+    /// `enough` is near what was committed, so its low 32 bits tell which tick it is.
     pub(crate) fn emit(&mut self, enough: u32) {
         if !self.train.flush(self.horizon, enough) {
             self.next_chord(enough);
