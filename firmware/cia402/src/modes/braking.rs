@@ -19,7 +19,7 @@ pub(super) struct Ramp {
 
 /// How the motor is to slow down so that an end is not passed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Held {
+pub(super) struct Braking {
     pub(super) ramp: Ramp,
     /// It is not the ramp that was asked for.
     pub(super) is_harder: bool,
@@ -29,8 +29,8 @@ pub(super) struct Held {
     hardest: u32,
 }
 
-impl Held {
-    /// The motor has its motion. It is not harder than it was asked to be, so no later one may be harder still because of it.
+impl Braking {
+    /// Tells the motor, which has its motion now, the hardest ramp on which it may end. Later motions brake no harder because of this one.
     pub(super) const fn taken(self, motor: &mut Motor<impl Actuator>) {
         if self.hardest > 0 {
             motor.set_hardest(self.hardest);
@@ -50,14 +50,14 @@ impl Held {
 /// linear one, as hard as needed, up to `hardest` steps/s², or to the ramp that the motion under way is planned with.
 ///
 /// The motion ends at `target` if it ends.
-pub(super) fn held_between(
+pub(super) fn between(
     motor: &Motor<impl Actuator>,
     target: Option<i64>,
     (low, high): (i64, i64),
     asked: Ramp,
     hardest: u32,
-) -> Held {
-    let as_asked = Held {
+) -> Braking {
+    let as_asked = Braking {
         ramp: asked,
         is_harder: false,
         passes: false,
@@ -109,7 +109,7 @@ pub(super) fn held_between(
             .min(hardest),
         ramps: Ramps::Linear,
     };
-    Held {
+    Braking {
         ramp,
         is_harder: true,
         // A stop ends on the next whole step.

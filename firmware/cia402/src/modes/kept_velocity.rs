@@ -187,10 +187,10 @@ fn begin(order: Order, motor: &mut Motor<impl Actuator>) -> (Keeping, i64) {
         ramps,
     };
     let heading = motor.committed_velocity().bits().signum();
-    let held = braking::held_between(motor, Some(end_of(order)), travel, asked, quick_stop);
-    motor.set_ramps(held.ramp.ramps);
+    let braking = braking::between(motor, Some(end_of(order)), travel, asked, quick_stop);
+    motor.set_ramps(braking.ramp.ramps);
     let limits = Limits {
-        deceleration: held.ramp.deceleration,
+        deceleration: braking.ramp.deceleration,
         ..limits
     };
     let end = end_of(order);
@@ -204,7 +204,7 @@ fn begin(order: Order, motor: &mut Motor<impl Actuator>) -> (Keeping, i64) {
         let rest = if motor.standstill() {
             motor.destination()
         } else {
-            motor.stop_preview(limits.deceleration, held.ramp.ramps, false)
+            motor.stop_preview(limits.deceleration, braking.ramp.ramps, false)
         };
         let is_ahead = if velocity.bits() > 0 {
             rest < end
@@ -212,7 +212,7 @@ fn begin(order: Order, motor: &mut Motor<impl Actuator>) -> (Keeping, i64) {
             rest > end
         };
         // A harder ramp ends on the limit.
-        let is_ahead = is_ahead || held.is_harder && !held.passes && !is_behind;
+        let is_ahead = is_ahead || braking.is_harder && !braking.passes && !is_behind;
         let result = is_ahead.then(|| motor.move_to(end, limits));
         result.map(|result| result.map(|()| Keeping::ToLimit))
     } else {
@@ -226,8 +226,8 @@ fn begin(order: Order, motor: &mut Motor<impl Actuator>) -> (Keeping, i64) {
             Keeping::Blocked
         }
     };
-    held.taken(motor);
-    let held_back = if held.is_harder { heading } else { 0 };
+    braking.taken(motor);
+    let held_back = if braking.is_harder { heading } else { 0 };
     (keeping, held_back)
 }
 

@@ -326,13 +326,13 @@ impl ProfilePosition {
         if starts_anew && target.is_some() {
             // The motor brakes for its target perhaps: a lower 60C6h is no reason to pass it.
             let around = set_point.around(motor);
-            before = Some(braking::held_between(motor, target, around, asked, 0));
+            before = Some(braking::between(motor, target, around, asked, 0));
         }
         let ramp = before.map_or(asked, |before| before.ramp);
-        let held = braking::held_between(motor, target, travel, ramp, quick_stop);
-        let held = before.map_or(held, |before| held.after(before));
-        self.is_held_back = held.is_harder;
-        let ramp = held.ramp;
+        let braking = braking::between(motor, target, travel, ramp, quick_stop);
+        let braking = before.map_or(braking, |before| braking.after(before));
+        self.is_held_back = braking.is_harder;
+        let ramp = braking.ramp;
         motor.set_ramps(ramp.ramps);
         let limits = Limits {
             deceleration: ramp.deceleration,
@@ -343,7 +343,7 @@ impl ProfilePosition {
             end_velocity,
             ..
         } = set_point;
-        let is_beyond = held.passes || set_point.is_passed_by(motor, units);
+        let is_beyond = braking.passes || set_point.is_passed_by(motor, units);
         let result = if is_recut && set_point.limited.target && is_beyond {
             Err(Refused)
         } else if end_velocity == Speed::ZERO {
@@ -360,7 +360,7 @@ impl ProfilePosition {
                 motor.stop(limits.deceleration);
             }
         }
-        held.taken(motor);
+        braking.taken(motor);
     }
 
     fn bits(&mut self, context: &Context<'_, impl Parts>, taken: bool) -> u16 {
