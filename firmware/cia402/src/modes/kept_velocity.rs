@@ -114,7 +114,7 @@ impl KeptVelocity {
         matches!(self.keeping, Keeping::Free | Keeping::ToLimit)
     }
 
-    /// Carries out an order. Nothing is planned while it stays the same; what software limits bar is tried again, what a limit
+    /// Carries out an order. Nothing is planned while it stays the same; what software limits block is tried again, what a limit
     /// switch has ended is not, unless another velocity is asked for.
     pub(super) fn follow(&mut self, order: Order, context: &mut Context<'_, impl Parts>) {
         let motor = &mut *context.motor;
