@@ -3,7 +3,7 @@
 use super::Plan;
 use super::goal::{PlanError, SIN_SQUARED};
 use super::move_to::distance_to;
-use super::piece::{Frame, Instant, Offset, Piece, Shape, ramp_distance};
+use super::piece::{Frame, Instant, Piece, Shape, TicksQ32, ramp_distance};
 use super::sine::SHORTEST;
 use crate::clock::{Ticks, Uq96};
 use crate::fixed::Exact;
@@ -98,7 +98,7 @@ impl<'a> PlanBuilder<'a> {
         &mut self,
         speed: Uq96,
         half_deceleration: Uq96,
-        time: Offset,
+        time: TicksQ32,
         distance: u128,
     ) {
         let velocity = -speed.cast_signed();
@@ -108,7 +108,7 @@ impl<'a> PlanBuilder<'a> {
 
     /// Brakes from `speed`, to less or to standstill. Returns the distance.
     #[inline(never)]
-    pub(super) fn brake(&mut self, speed: Uq96, half_deceleration: Uq96, time: Offset) -> u128 {
+    pub(super) fn brake(&mut self, speed: Uq96, half_deceleration: Uq96, time: TicksQ32) -> u128 {
         let distance = ramp_distance(speed, half_deceleration, time, true);
         self.ramp(speed.cast_signed(), -half_deceleration.cast_signed(), time);
         self.go_on(time, distance.cast_signed());
@@ -120,7 +120,7 @@ impl<'a> PlanBuilder<'a> {
         &mut self,
         speed: Uq96,
         half_acceleration: Uq96,
-        time: Offset,
+        time: TicksQ32,
     ) -> u128 {
         let distance = ramp_distance(speed, half_acceleration, time, false);
         self.ramp(speed.cast_signed(), half_acceleration.cast_signed(), time);
@@ -129,7 +129,7 @@ impl<'a> PlanBuilder<'a> {
     }
 
     /// A ramp begins here.
-    fn ramp(&mut self, velocity: i128, half_acceleration: i128, time: Offset) {
+    fn ramp(&mut self, velocity: i128, half_acceleration: i128, time: TicksQ32) {
         self.mark_ramp();
         let shape = self.shape(time);
         self.write(Piece {
@@ -150,7 +150,7 @@ impl<'a> PlanBuilder<'a> {
 
     /// Another piece, which lasts so long, wherever it is anchored.
     #[cfg(feature = "limited-jerk")]
-    pub(super) fn add(&mut self, piece: Piece, time: Offset) {
+    pub(super) fn add(&mut self, piece: Piece, time: TicksQ32) {
         self.write(Piece {
             start: self.tick,
             ..piece
@@ -159,7 +159,7 @@ impl<'a> PlanBuilder<'a> {
     }
 
     /// Keeps `speed` over `distance`.
-    pub(super) fn cruise(&mut self, speed: Uq96, time: Offset, distance: u128) {
+    pub(super) fn cruise(&mut self, speed: Uq96, time: TicksQ32, distance: u128) {
         self.write(Piece {
             start: self.tick,
             anchor: self.now,
@@ -176,7 +176,7 @@ impl<'a> PlanBuilder<'a> {
         mut self,
         target: i128,
         half_deceleration: Uq96,
-        time: Offset,
+        time: TicksQ32,
     ) -> Result<(), PlanError> {
         self.brake_to((target, 0), half_deceleration, time);
         self.rest_at(target)
@@ -187,7 +187,7 @@ impl<'a> PlanBuilder<'a> {
         mut self,
         target: i128,
         half_deceleration: Uq96,
-        time: Offset,
+        time: TicksQ32,
         speed: Uq96,
     ) -> Result<(), PlanError> {
         self.brake_to((target, speed.cast_signed()), half_deceleration, time);
@@ -200,7 +200,7 @@ impl<'a> PlanBuilder<'a> {
         &mut self,
         (position, velocity): (i128, i128),
         half_deceleration: Uq96,
-        time: Offset,
+        time: TicksQ32,
     ) {
         self.mark_ramp();
         let shape = self.shape(time);
@@ -253,7 +253,7 @@ impl<'a> PlanBuilder<'a> {
     }
 
     /// The shape of a ramp that lasts so long.
-    fn shape(&self, time: Offset) -> Shape {
+    fn shape(&self, time: TicksQ32) -> Shape {
         if SIN_SQUARED && self.is_sine && time >= SHORTEST {
             Shape::Sine(time)
         } else {
@@ -262,7 +262,7 @@ impl<'a> PlanBuilder<'a> {
     }
 
     /// The piece lasts so long and goes so far. If it has ended before its first tick comes, the next one is written over it.
-    fn go_on(&mut self, time: Offset, distance: i128) {
+    fn go_on(&mut self, time: TicksQ32, distance: i128) {
         self.now = self.now.after(time);
         let tick = self.now.tick_up();
         if tick != self.tick {

@@ -6,7 +6,7 @@
 use super::Plan;
 use super::builder::{Origin, PlanBuilder};
 use super::goal::{Limits, PlanError};
-use super::piece::{Offset, Slope, ramp_distance};
+use super::piece::{Slope, TicksQ32, ramp_distance};
 use crate::clock::{Clock, Uq96};
 use crate::divide::{estimate, quotient};
 use crate::fixed::Exact;
@@ -104,7 +104,7 @@ pub(super) fn plan(
 }
 
 /// Whether braking from a speed, which takes so long, leads 2³² steps away or more: half of speed · time bounds it well enough.
-fn is_beyond_span(speed: Uq96, time: Offset) -> bool {
+fn is_beyond_span(speed: Uq96, time: TicksQ32) -> bool {
     let bits = 256 - speed.leading_zeros() - time.leading_zeros();
     bits > 160 && Wide::product(speed, time).shifted(33).is_none()
 }
@@ -126,7 +126,7 @@ pub(super) fn distance_to(target_steps: i64, from: Exact) -> Option<(u128, bool)
 ///
 /// A state has been rounded to 2⁻³² steps and 2⁻⁵⁶ steps per tick, and the latter adds up over the time of braking. Taking such a
 /// difference for an overshoot would make the axis turn round for nothing.
-fn indistinct(stop_time: Offset) -> u128 {
+fn indistinct(stop_time: TicksQ32) -> u128 {
     ((stop_time >> 32) << 40).saturating_add(1 << 64)
 }
 
@@ -134,7 +134,7 @@ fn indistinct(stop_time: Offset) -> u128 {
 struct End {
     speed: Uq96,
     /// How long it takes to brake from it to rest, and how far.
-    time: Offset,
+    time: TicksQ32,
     distance: u128,
 }
 

@@ -11,7 +11,7 @@ use crate::divide::Divisor;
 use crate::low;
 
 /// A time in ticks, Q32: corners fall between ticks.
-pub(crate) type Offset = u128;
+pub(crate) type TicksQ32 = u128;
 
 /// When that is: ticks as the axis counts them, Q32; 96 bits. What is later than ticks can count is never.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -24,7 +24,7 @@ impl Instant {
     }
 
     #[inline]
-    pub(super) fn after(self, time: Offset) -> Self {
+    pub(super) fn after(self, time: TicksQ32) -> Self {
         let sum = self.0.saturating_add(time);
         if (sum | time) >> 96 == 0 {
             Self(sum)
@@ -34,12 +34,12 @@ impl Instant {
     }
 
     /// So long before it.
-    pub(super) const fn before(self, time: Offset) -> Self {
+    pub(super) const fn before(self, time: TicksQ32) -> Self {
         Self(self.0.saturating_sub(time))
     }
 
     /// How long it is from one to the other.
-    pub(super) const fn apart(self, other: Self) -> Offset {
+    pub(super) const fn apart(self, other: Self) -> TicksQ32 {
         self.0.abs_diff(other.0)
     }
 
@@ -92,7 +92,7 @@ pub(super) enum Shape {
     Cubic(i128),
     /// A sin² ramp that takes so long, at least [`sine::SHORTEST`], anchored at one of its ends. The acceleration is that of the linear ramp in its
     /// place, positive if the velocity at the other end is greater.
-    Sine(Offset),
+    Sine(TicksQ32),
 }
 
 /// A piece of a plan, anchored between two ticks.
@@ -223,7 +223,7 @@ fn part(value: i128, fraction: u32) -> i128 {
 
 /// ⌊value · time⌋ modulo 2¹²⁸.
 #[inline(always)]
-pub(crate) fn over_time(value: u128, time: Offset) -> u128 {
+pub(crate) fn over_time(value: u128, time: TicksQ32) -> u128 {
     // Both in halves.
     let low = (u128::from(low::u64(value)) * u128::from(low::u64(time))) >> 32;
     let high = ((value >> 64) * u128::from(low::u64(time))) << 32;
@@ -236,7 +236,7 @@ pub(crate) fn over_time(value: u128, time: Offset) -> u128 {
 }
 
 /// The same of a velocity in either direction.
-pub(super) fn distance_at(velocity: i128, time: Offset) -> i128 {
+pub(super) fn distance_at(velocity: i128, time: TicksQ32) -> i128 {
     let distance = over_time(velocity.unsigned_abs(), time).cast_signed();
     if velocity < 0 {
         distance.wrapping_neg()
@@ -265,7 +265,7 @@ impl Slope {
 
     /// How long it takes to change speed by `change`.
     #[inline]
-    pub(crate) fn time(&self, change: Uq96) -> Offset {
+    pub(crate) fn time(&self, change: Uq96) -> TicksQ32 {
         // Speeds have at most 96 bits, so the shift loses nothing.
         self.divisor.quotient(change << 31, 0)
     }
@@ -276,7 +276,7 @@ impl Slope {
 pub(crate) fn ramp_distance(
     speed: Uq96,
     half_acceleration: Uq96,
-    time: Offset,
+    time: TicksQ32,
     braking: bool,
 ) -> u128 {
     if time == 0 {

@@ -13,7 +13,7 @@
 //! acceleration is less than π/2 times that of the linear ramp. The position is off from the sin² by at most 0.076·n⁻⁴·Δv·T: n is
 //! chosen so that this is less than 0.01 steps, for ramps of up to 17 million steps; longer ones are off by 3·10⁻¹⁰ of Δv·T.
 
-use super::piece::{Instant, Offset, Piece, Shape, distance_at, over_time};
+use super::piece::{Instant, Piece, Shape, TicksQ32, distance_at, over_time};
 use crate::clock::{Ticks, Uq96, Uq128};
 use crate::divide::{estimate, quotient};
 use crate::low;
@@ -51,7 +51,7 @@ const BETWEEN: u64 = 9_224_066_592_104_769_579;
 const HALF: u64 = 1 << 63;
 
 /// Shorter ramps, Q32 ticks, are linear: nobody can tell, and their jerk need not be represented.
-pub(super) const SHORTEST: Offset = 8 << 32;
+pub(super) const SHORTEST: TicksQ32 = 8 << 32;
 
 /// How a ramp is divided, and what follows from that.
 struct Division {
@@ -150,12 +150,12 @@ impl Division {
     }
 
     /// When corner `number` is, from 0, the beginning, to the end.
-    fn time(&self, number: u32, time: Offset) -> Offset {
-        (time * Offset::from(self.angle(number))) >> 8
+    fn time(&self, number: u32, time: TicksQ32) -> TicksQ32 {
+        (time * TicksQ32::from(self.angle(number))) >> 8
     }
 
     /// In which piece lies what is `away` from the beginning of a ramp that takes `time`; when that piece begins and ends.
-    fn find(&self, away: Offset, time: Offset) -> (u32, Offset, Offset) {
+    fn find(&self, away: TicksQ32, time: TicksQ32) -> (u32, TicksQ32, TicksQ32) {
         // The leading 24 bits give a number that is right or next to it.
         let above = 104u32.saturating_sub(time.leading_zeros());
         let (away_lead, lead) = (
@@ -216,7 +216,7 @@ fn sine(k: u32) -> u64 {
 
 /// A sixth of the jerk, Q128 steps per tick³, at which a ramp is left that takes `time`: 5.06·Δv/T², to some 30 bits. It begins and ends with 4.97
 /// at most. With as much its acceleration is at zero before its velocity is at the end.
-pub(super) fn jerk(half_acceleration: i128, time: Offset) -> Uq128 {
+pub(super) fn jerk(half_acceleration: i128, time: TicksQ32) -> Uq128 {
     let (number, above) = leading((half_acceleration.unsigned_abs() * 27) >> 4);
     let (divisor, below) = leading(time);
     // Less than one, so a digit with 31 bits behind the point. A time has more than 32 bits, an acceleration less than 90.
@@ -252,7 +252,7 @@ pub(super) fn jerk_of(half_acceleration: Uq96, change: Uq96) -> Uq128 {
 /// The piece at tick `t` of a ramp that takes `time`, which is at least [`SHORTEST`], a sixth of its jerk, and the first tick behind it. `ramp` is anchored
 /// at the end from which t lies in the direction of time, and has half of the acceleration of the linear ramp.
 #[inline(never)]
-pub(super) fn piece(ramp: &Piece, time: Offset, t: Ticks) -> (Piece, i128, Ticks) {
+pub(super) fn piece(ramp: &Piece, time: TicksQ32, t: Ticks) -> (Piece, i128, Ticks) {
     let half = ramp.half_acceleration;
     let change = over_time(half.unsigned_abs() << 1, time);
     let distance = share(change, low::u64(time)).wrapping_add(change.wrapping_mul(time >> 64));

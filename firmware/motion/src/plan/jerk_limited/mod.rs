@@ -20,7 +20,7 @@ mod rough;
 
 use super::builder::{Origin, PlanBuilder};
 use super::move_to::distance_to;
-use super::piece::Offset;
+use super::piece::TicksQ32;
 use super::{Goal, Limits, Plan, PlanError, Start};
 use crate::clock::{Clock, TOP_SIXTH_JERK, Uq128};
 use crate::speed::{SignedSpeed, Speed};
@@ -262,7 +262,7 @@ fn beyond(gap: u128, distance: i128) -> Option<(bool, u128)> {
 
 /// How far a target and the end of a stop may lie apart and still mean the same: states are rounded, and what is lost adds up over
 /// the time of braking.
-fn indistinct(stop_time: Offset) -> u128 {
+fn indistinct(stop_time: TicksQ32) -> u128 {
     ((stop_time >> 32) << 44).saturating_add(1 << 68)
 }
 

@@ -12,7 +12,7 @@ use core::cell::Cell;
 use super::number::Number;
 use super::rough::{Kind, Rough};
 use crate::clock::{Uq96, Uq128};
-use crate::plan::piece::{Offset, distance_at};
+use crate::plan::piece::{TicksQ32, distance_at};
 
 /// The jerk, as it is worked with.
 #[derive(Debug, Clone, Copy)]
@@ -350,9 +350,9 @@ pub(super) struct Ramp {
     /// How far it goes, Q96 steps; modulo 2³² steps.
     pub(super) distance: i128,
     /// How long the acceleration goes to the greatest value, stays there, and goes to zero.
-    pub(super) entry: Offset,
-    pub(super) hold: Offset,
-    pub(super) exit: Offset,
+    pub(super) entry: TicksQ32,
+    pub(super) hold: TicksQ32,
+    pub(super) exit: TicksQ32,
     /// The limit of the acceleration, whichever its direction.
     pub(super) most: i128,
     /// A sixth of the jerk, Q128, whichever its direction.
@@ -450,7 +450,7 @@ impl Ramp {
     }
 
     /// How long it takes.
-    pub(super) fn time(&self) -> Offset {
+    pub(super) fn time(&self) -> TicksQ32 {
         self.entry.wrapping_add(self.hold).wrapping_add(self.exit)
     }
 }
