@@ -6,7 +6,7 @@
 use super::Plan;
 use super::builder::{Origin, PlanBuilder};
 use super::goal::{Limits, PlanError};
-use super::piece::{Slope, TicksQ32, ramp_distance};
+use super::piece::{Acceleration, TicksQ32, ramp_distance};
 use crate::clock::{Clock, Uq96};
 use crate::divide::{estimate, quotient};
 use crate::fixed::Exact;
@@ -39,7 +39,7 @@ pub(super) fn plan(
     let target_behind = if gap == 0 { from.velocity < 0 } else { is_back };
     let approaching = speed != 0 && (from.velocity < 0) == target_behind;
 
-    let deceleration = Slope::new(clock, limits.deceleration);
+    let deceleration = Acceleration::new(clock, limits.deceleration);
     let half_deceleration = deceleration.half;
     let stop_time = deceleration.time(speed);
     if is_beyond_span(speed, stop_time) {
@@ -145,7 +145,7 @@ impl End {
         distance: 0,
     };
 
-    fn of(speed: Uq96, deceleration: &Slope) -> Self {
+    fn of(speed: Uq96, deceleration: &Acceleration) -> Self {
         if speed == 0 {
             return Self::REST;
         }
@@ -162,7 +162,7 @@ impl End {
 struct Route {
     clock: Clock,
     limits: Limits,
-    deceleration: Slope,
+    deceleration: Acceleration,
     end: End,
 }
 
@@ -186,7 +186,7 @@ impl Route {
         let acceleration = if is_alike {
             &self.deceleration
         } else {
-            other = Slope::new(self.clock, self.limits.acceleration);
+            other = Acceleration::new(self.clock, self.limits.acceleration);
             &other
         };
         let half_acceleration = acceleration.half;

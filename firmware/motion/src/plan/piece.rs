@@ -247,13 +247,13 @@ pub(super) fn distance_at(velocity: i128, time: TicksQ32) -> i128 {
 
 /// A constant acceleration. Made once for all ramps at it.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Slope {
+pub(crate) struct Acceleration {
     /// Half of it, Q96 steps per tick².
     pub(crate) half: Uq96,
     divisor: Divisor,
 }
 
-impl Slope {
+impl Acceleration {
     /// From steps/s², at least 1: the clock's range keeps it above zero.
     pub(crate) fn new(clock: Clock, steps_per_second_squared: u32) -> Self {
         let half = clock.half_acceleration(steps_per_second_squared);

@@ -3,7 +3,7 @@
 use super::Plan;
 use super::builder::{Origin, PlanBuilder};
 use super::goal::{Limits, PlanError};
-use super::piece::{Slope, ramp_distance};
+use super::piece::{Acceleration, ramp_distance};
 use crate::clock::Clock;
 use crate::speed::{SignedSpeed, Speed};
 
@@ -18,7 +18,7 @@ pub(super) fn plan(
     if limits.deceleration == 0 {
         return Err(PlanError::ZeroDeceleration);
     }
-    let deceleration = Slope::new(clock, limits.deceleration);
+    let deceleration = Acceleration::new(clock, limits.deceleration);
     let half_deceleration = deceleration.half;
     let from = origin.from;
     let speed = from.velocity.unsigned_abs();
@@ -51,7 +51,7 @@ pub(super) fn plan(
     if speed > goal {
         builder.brake(speed, half_deceleration, deceleration.time(speed - goal));
     } else if speed < goal {
-        let acceleration = Slope::new(clock, limits.acceleration);
+        let acceleration = Acceleration::new(clock, limits.acceleration);
         builder.accelerate(speed, acceleration.half, acceleration.time(goal - speed));
     }
     builder.keep(goal)
