@@ -79,9 +79,9 @@ mod root;
 pub mod speed;
 pub mod step_interrupt;
 mod stepper;
+mod u256;
 #[cfg(test)]
 mod vectors;
-mod wide;
 
 pub use average::Mean;
 pub use axis::{AdvanceError, Axis, AxisConfig, Demand, Draft, Reference};

@@ -13,7 +13,7 @@ use crate::clock::{Clock, Ticks, Uq96, Uq128};
 use crate::divide::quotient;
 use crate::fixed::Exact;
 use crate::speed::Speed;
-use crate::wide::Wide;
+use crate::u256::U256;
 use core::cmp::Ordering;
 
 /// A motion, as another one begins with it.
@@ -271,7 +271,7 @@ fn is_done_anyway(rest: Exact, change: i128, clock: Clock, goal: Goal, limits: L
         (true, None) => Ordering::Greater,
         (true, Some(more)) => {
             let deceleration = clock.half_acceleration(limits.deceleration) << 2;
-            Wide::product(deceleration, gap).cmp(&Wide::product(more, speed + end))
+            U256::product(deceleration, gap).cmp(&U256::product(more, speed + end))
         }
     };
     if rises {

@@ -13,7 +13,7 @@ use crate::fixed::Exact;
 use crate::low;
 use crate::root::root;
 use crate::speed::Speed;
-use crate::wide::Wide;
+use crate::u256::U256;
 
 /// Plans the move in a frame in which the distance still to go is positive.
 pub(super) fn plan(
@@ -106,7 +106,7 @@ pub(super) fn plan(
 /// Whether braking from a speed, which takes so long, leads 2³² steps away or more: half of speed · time bounds it well enough.
 fn is_beyond_span(speed: Uq96, time: TicksQ32) -> bool {
     let bits = 256 - speed.leading_zeros() - time.leading_zeros();
-    bits > 160 && Wide::product(speed, time).shifted(33).is_none()
+    bits > 160 && U256::product(speed, time).shifted(33).is_none()
 }
 
 /// How far it is to a target, Q96 steps, and whether it lies behind. `None` if that is 2³² steps or more: positions wrap there.
@@ -233,9 +233,9 @@ impl Route {
     /// 32 significant bits are plenty. The duration is at its minimum at the exact peak, so what is lost there enters it squared; and
     /// because the peak is rounded down, there is always some cruise left to take up the difference.
     fn peak(&self, half_acceleration: Uq96, speed: Uq96, distance: u128) -> Uq96 {
-        let mut square = Wide::product(half_acceleration << 2, distance);
+        let mut square = U256::product(half_acceleration << 2, distance);
         if speed != 0 {
-            square = square.plus(Wide::product(speed, speed));
+            square = square.plus(U256::product(speed, speed));
         }
         let (mantissa, exponent) = square.leading();
         let (share, below) = if self.limits.acceleration == self.limits.deceleration {

@@ -9,7 +9,7 @@ use crate::clock::{Clock, Ticks};
 use crate::fixed::{Exact, Q96, Q128, State, product};
 use crate::low;
 use crate::stepper::polynomial::Polynomial;
-use crate::wide::Wide;
+use crate::u256::U256;
 
 /// A stretch of constant jerk; most often there is none.
 #[derive(Debug, Clone, Copy)]
@@ -79,8 +79,8 @@ impl Phase {
         let acceleration = self.acceleration_exact(t);
         let rate = u128::from(clock.hz());
         let magnitude = low::u64(
-            Wide::product(acceleration.unsigned_abs(), rate * rate)
-                .plus(Wide::product(1 << 95, 1))
+            U256::product(acceleration.unsigned_abs(), rate * rate)
+                .plus(U256::product(1 << 95, 1))
                 .shifted_wrapping(96),
         )
         .cast_signed();

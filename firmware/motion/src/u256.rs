@@ -4,12 +4,12 @@ use crate::low;
 
 /// An unsigned 256-bit number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct Wide {
+pub(crate) struct U256 {
     high: u128,
     low: u128,
 }
 
-impl Wide {
+impl U256 {
     /// a · b, exactly.
     #[inline(never)]
     pub(crate) fn product(a: u128, b: u128) -> Self {
@@ -72,15 +72,15 @@ impl Wide {
 
 #[cfg(test)]
 mod tests {
-    use super::Wide;
+    use super::U256;
     use proptest::prelude::*;
 
     #[test]
     fn the_largest_product_is_exact() {
-        let square = Wide::product(u128::MAX, u128::MAX);
+        let square = U256::product(u128::MAX, u128::MAX);
         assert_eq!(
             square,
-            Wide {
+            U256 {
                 high: u128::MAX - 1,
                 low: 1
             }
@@ -91,26 +91,26 @@ mod tests {
         #[test]
         fn product_of_halves_agrees(a: u64, b: u64, s in 1u32..127) {
             let exact = u128::from(a) * u128::from(b);
-            prop_assert_eq!(Wide::product(a.into(), b.into()), Wide { high: 0, low: exact });
-            prop_assert_eq!(Wide::product(a.into(), b.into()).shifted(s), Some(exact >> s));
+            prop_assert_eq!(U256::product(a.into(), b.into()), U256 { high: 0, low: exact });
+            prop_assert_eq!(U256::product(a.into(), b.into()).shifted(s), Some(exact >> s));
             // (a·2⁶⁴)·(b·2⁶³) = exact·2¹²⁷
-            let far = Wide::product(u128::from(a) << 64, u128::from(b) << 63);
-            prop_assert_eq!(far, Wide { high: exact >> 1, low: exact << 127 });
+            let far = U256::product(u128::from(a) << 64, u128::from(b) << 63);
+            prop_assert_eq!(far, U256 { high: exact >> 1, low: exact << 127 });
         }
 
         #[test]
         fn product_distributes_over_the_sum(a: u128, b in 0..u128::MAX / 2, c in 0..u128::MAX / 2) {
-            let sum = Wide::product(a, b).plus(Wide::product(a, c));
-            prop_assert_eq!(Wide::product(a, b + c), sum);
+            let sum = U256::product(a, b).plus(U256::product(a, c));
+            prop_assert_eq!(U256::product(a, b + c), sum);
         }
 
         #[test]
         fn leading_bits_are_the_leading_bits(a: u128, b: u128, s in 0u32..128, u in 0u32..128) {
-            let wide = Wide::product(a >> s, b >> u);
+            let wide = U256::product(a >> s, b >> u);
             let (mantissa, exponent) = wide.leading();
             // Full 64 bits, or nothing lost.
             prop_assert!(mantissa >> 63 == 1 || exponent == 0);
-            let back = Wide::product(u128::from(mantissa) << 63, 1u128 << 64); // mantissa · 2¹²⁷
+            let back = U256::product(u128::from(mantissa) << 63, 1u128 << 64); // mantissa · 2¹²⁷
             if exponent <= 127 && exponent > 0 {
                 prop_assert_eq!(back.shifted(127), Some(u128::from(mantissa)));
                 prop_assert_eq!(wide.shifted_wrapping(exponent) , u128::from(mantissa));
