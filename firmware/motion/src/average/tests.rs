@@ -2,7 +2,7 @@
 
 use super::{Average, SAMPLES, Window, sample};
 use crate::fixed::Exact;
-use crate::plan::Start;
+use crate::plan::InitialState;
 use crate::plan::phase::Phase;
 use crate::{Clock, Goal, Limits, Plan, Ramps, State, Ticks};
 use proptest::prelude::*;
@@ -44,7 +44,7 @@ impl Followed {
         };
         let ahead = Average::ahead(window, from.into());
         let mut plan = Plan::at_rest(0, begin);
-        let start = Start::steady(begin, ahead);
+        let start = InitialState::steady(begin, ahead);
         let _ = plan.make(clock(), &start, goal, limits, Ramps::Linear);
         let mut average = Average::new();
         average.begin(window, begin, from.into());

@@ -8,7 +8,7 @@ use super::Axis;
 use crate::average::{Average, Window};
 use crate::clock::{Clock, Ticks};
 use crate::fixed::Exact;
-use crate::plan::{Goal, Limits, Plan, PlanError, Ramps, Start};
+use crate::plan::{Goal, InitialState, Limits, Plan, PlanError, Ramps};
 use crate::speed::Speed;
 
 /// What another motion is planned from.
@@ -25,7 +25,7 @@ pub struct Draft {
     mean_jerk: u32,
     ramps: Ramps,
     /// The motion at the commit horizon; that of the plan at its junction, if its mean goes on along another one.
-    start: Start,
+    start: InitialState,
     /// The window of that mean.
     kept: Option<Window>,
     /// Where the plan comes to rest that is followed.
@@ -173,7 +173,7 @@ impl Draft {
             mean
         };
         let goal = self.seen_from(goal, from);
-        let start = Start::steady(self.horizon, from);
+        let start = InitialState::steady(self.horizon, from);
         plan.make(self.clock, &start, goal, limits, self.ramps)?;
         self.mean_jerk = jerk;
         if mean.velocity != 0 {
@@ -243,14 +243,14 @@ impl Axis {
             destination: self.plan.destination(),
             next: Next::Same,
             start: match &self.path {
-                Some(path) => Start::steady(horizon, path.exact_at(horizon)),
+                Some(path) => InitialState::steady(horizon, path.exact_at(horizon)),
                 None if !self.is_averaged => self.plan.leave(horizon),
                 None if !goes_on => self.mean_start(horizon),
                 None => match fresh {
-                    Some(begin) => Start::steady(horizon, begin),
+                    Some(begin) => InitialState::steady(horizon, begin),
                     None => {
                         let junction = self.average.junction(horizon);
-                        Start::steady(junction, self.plan.exact_at(junction))
+                        InitialState::steady(junction, self.plan.exact_at(junction))
                     }
                 },
             },
@@ -258,9 +258,9 @@ impl Axis {
     }
 
     /// The motion of the mean, where it is left for another trajectory.
-    fn mean_start(&self, horizon: Ticks) -> Start {
+    fn mean_start(&self, horizon: Ticks) -> InitialState {
         let mean = &self.average;
-        Start::steady(horizon, mean.exact_at(horizon)).easing(
+        InitialState::steady(horizon, mean.exact_at(horizon)).easing(
             mean.phase().acceleration_exact(horizon),
             self.clock.sixth_jerk(self.mean_jerk),
         )

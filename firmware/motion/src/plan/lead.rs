@@ -16,9 +16,9 @@ use crate::speed::Speed;
 use crate::u256::U256;
 use core::cmp::Ordering;
 
-/// A motion, as another one begins with it.
+/// The motion that another one begins with.
 #[derive(Debug, Clone)]
-pub(crate) struct Start {
+pub(crate) struct InitialState {
     pub(crate) tick: Ticks,
     pub(crate) from: Exact,
     /// The acceleration, Q96 steps per tick², which linear ramps do not care for; and a sixth of the jerk, Q128 steps per tick³, at which it is brought
@@ -33,7 +33,7 @@ pub(crate) struct Start {
     pub(super) leaves_ramp: bool,
 }
 
-impl Start {
+impl InitialState {
     /// With no acceleration.
     pub(crate) const fn steady(tick: Ticks, from: Exact) -> Self {
         Self {
@@ -195,13 +195,13 @@ impl Start {
 
 impl Plan {
     /// The motion at tick `at`, as another one begins with it: from linear ramps with no acceleration.
-    pub(crate) fn leave(&self, at: Ticks) -> Start {
+    pub(crate) fn leave(&self, at: Ticks) -> InitialState {
         const CAN_BE_SMOOTH: bool = SIN_SQUARED || cfg!(feature = "limited-jerk");
         if !CAN_BE_SMOOTH || self.order.is_none() {
-            return Start::steady(at, self.exact_at(at));
+            return InitialState::steady(at, self.exact_at(at));
         }
         let (from, acceleration) = self.motion_at(at);
-        let mut start = Start::steady(at, from);
+        let mut start = InitialState::steady(at, from);
         start.order = self.order.filter(|_| at >= self.frame.start);
         start.acceleration = acceleration;
         match self.find_piece(at) {

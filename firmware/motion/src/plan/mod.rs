@@ -29,7 +29,7 @@ use crate::stepper::polynomial::Polynomial;
 use builder::Origin;
 pub use goal::{Goal, Limits, PlanError, Ramps, SIN_SQUARED};
 use heapless::Vec;
-pub(crate) use lead::Start;
+pub(crate) use lead::InitialState;
 use phase::Phase;
 use piece::{Frame, Piece};
 
@@ -143,7 +143,7 @@ impl Plan {
         ramps: Ramps,
     ) -> Result<Self, PlanError> {
         let mut plan = Self::at_rest(0, start);
-        let start = Start::steady(start, from.into());
+        let start = InitialState::steady(start, from.into());
         plan.make(clock, &start, goal, limits, ramps)?;
         Ok(plan)
     }
@@ -231,7 +231,7 @@ impl Plan {
     pub(crate) fn make(
         &mut self,
         clock: Clock,
-        start: &Start,
+        start: &InitialState,
         goal: Goal,
         limits: Limits,
         ramps: Ramps,

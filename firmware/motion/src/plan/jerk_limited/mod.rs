@@ -21,7 +21,7 @@ mod rough;
 use super::builder::{Origin, PlanBuilder};
 use super::move_to::distance_to;
 use super::piece::TicksQ32;
-use super::{Goal, Limits, Plan, PlanError, Start};
+use super::{Goal, InitialState, Limits, Plan, PlanError};
 use crate::clock::{Clock, TOP_SIXTH_JERK, Uq128};
 use crate::speed::{SignedSpeed, Speed};
 use number::Number;
@@ -68,7 +68,7 @@ fn stopping(from: &Motion, limit: &Limit, jerk: &Jerk) -> Ramp {
 pub(super) fn plan(
     plan: &mut Plan,
     clock: Clock,
-    start: &Start,
+    start: &InitialState,
     goal: Goal,
     limits: Limits,
     sixth_jerk: Uq128,
@@ -130,7 +130,7 @@ fn with_rules<R>(
 }
 
 /// A motion as it is in a frame that may be turned round.
-fn seen(start: &Start, reverse: bool, jerk: &Jerk) -> Motion {
+fn seen(start: &InitialState, reverse: bool, jerk: &Jerk) -> Motion {
     let (velocity, acceleration) = (start.from.velocity, start.acceleration);
     if reverse {
         Motion::new(-velocity, -acceleration, jerk)
@@ -139,12 +139,17 @@ fn seen(start: &Start, reverse: bool, jerk: &Jerk) -> Motion {
     }
 }
 
-fn builder<'a>(plan: &'a mut Plan, start: &Start, reverse: bool) -> PlanBuilder<'a> {
+fn builder<'a>(plan: &'a mut Plan, start: &InitialState, reverse: bool) -> PlanBuilder<'a> {
     PlanBuilder::new(plan, &Origin::steady(start.tick, start.from), reverse)
 }
 
 /// Comes to rest, wherever that is.
-fn stop(plan: &mut Plan, start: &Start, limit: &Limit, jerk: &Jerk) -> Result<(), PlanError> {
+fn stop(
+    plan: &mut Plan,
+    start: &InitialState,
+    limit: &Limit,
+    jerk: &Jerk,
+) -> Result<(), PlanError> {
     let reverse = start.from.velocity < 0;
     let motion = seen(start, reverse, jerk);
     let mut builder = builder(plan, start, reverse);
@@ -156,7 +161,7 @@ fn stop(plan: &mut Plan, start: &Start, limit: &Limit, jerk: &Jerk) -> Result<()
 /// Keeps the velocity `end`, backwards if `reverse`.
 fn keep(
     plan: &mut Plan,
-    start: &Start,
+    start: &InitialState,
     reverse: bool,
     end: i128,
     rules: &Rules<'_>,
@@ -173,7 +178,7 @@ fn keep(
 /// Moves to a target in steps, with the velocity `end` there.
 fn reach(
     plan: &mut Plan,
-    start: &Start,
+    start: &InitialState,
     (target, end): (i64, i128),
     rules: &Rules<'_>,
 ) -> Result<(), PlanError> {

@@ -2,7 +2,7 @@
 
 use super::smooth::{assert_no_jump, double_s};
 use super::{Goal, Limits, Plan, Ramps, clock, per_second, state, steps};
-use crate::plan::Start;
+use crate::plan::InitialState;
 use crate::{PlanError, Position, State};
 
 #[test]
@@ -88,10 +88,10 @@ fn i02_a_softer_deceleration_while_braking_is_no_reason_to_refuse() {
 }
 
 /// A motion with an acceleration, which came about at whatever jerk.
-fn start(from: State, acceleration: i128) -> Start {
-    Start {
+fn start(from: State, acceleration: i128) -> InitialState {
+    InitialState {
         acceleration,
-        ..Start::steady(0, from.into())
+        ..InitialState::steady(0, from.into())
     }
 }
 
