@@ -161,7 +161,7 @@ const fn moment_of_a_pulse(velocity: SignedSpeed) -> u32 {
 #[cold]
 fn per_second(growth: i32, span: u32) -> i32 {
     let million = u64::from(growth.unsigned_abs()).wrapping_mul(1_000_000);
-    let (number, _) = motion::by_digit(million, span);
+    let (number, _) = motion::div_rem(million, span);
     if growth < 0 {
         let end = i32::MIN;
         0_i32

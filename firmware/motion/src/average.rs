@@ -16,7 +16,7 @@ mod mean;
 mod window;
 
 use crate::clock::Ticks;
-use crate::divide::by_digit;
+use crate::divide::div_rem;
 use crate::fixed::{Exact, Position, Q96, State, Velocity, product};
 use crate::low;
 use crate::plan::Plan;
@@ -147,7 +147,7 @@ impl Average {
     /// Begins with a mean that is at `mean` at tick `at`, where the plan is [ahead](Self::ahead) of it and has kept its velocity for a
     /// window's time.
     pub(crate) fn begin(&mut self, window: Window, at: Ticks, mean: Exact) {
-        let per = |number: u64, divisor: u32| by_digit(number, divisor).0;
+        let per = |number: u64, divisor: u32| div_rem(number, divisor).0;
         self.window = window;
         self.per_window = per(MOST, window.ticks());
         self.per_grid = per(MOST, window.grid);
@@ -425,7 +425,7 @@ impl Average {
             plan.next_corner(next).unwrap_or(Ticks::MAX)
         };
         let before = corner.saturating_sub(next).saturating_sub(1);
-        let (intervals, _) = by_digit(before, grid);
+        let (intervals, _) = div_rem(before, grid);
         let mut left = low::u32(intervals.min(MOST_SAMPLED.into()));
         if growth == 0 {
             // When it has kept its velocity all over the window that must be seen.

@@ -130,7 +130,7 @@ impl Divisor {
 
 /// ⌊numerator / divisor⌋ and the remainder. A divisor of 0 gives 0 and 0.
 #[inline]
-pub fn by_digit(numerator: u64, divisor: u32) -> (u64, u32) {
+pub fn div_rem(numerator: u64, divisor: u32) -> (u64, u32) {
     let (high, low) = ((numerator >> 32) as u32, low::u32(numerator));
     if high == 0 {
         let quotient = low.checked_div(divisor).unwrap_or(0);
@@ -153,7 +153,7 @@ pub(crate) fn fraction(numerator: u64, divisor: u32) -> u128 {
     if divisor == 0 {
         return 0;
     }
-    let (whole, left) = by_digit(numerator, divisor);
+    let (whole, left) = div_rem(numerator, divisor);
     let shift = divisor.leading_zeros() & 31;
     let digit = |left: u32| estimate((u64::from(left) << 32) << shift, divisor << shift);
     let first = digit(left);
@@ -211,7 +211,7 @@ fn half_digit(remainder: u32, next: u32, divisor: u32) -> (u32, u32) {
 
 #[cfg(test)]
 mod tests {
-    use super::{by_digit, fraction, quotient};
+    use super::{div_rem, fraction, quotient};
     use proptest::prelude::*;
     use proptest::test_runner::contextualize_config;
 
@@ -220,8 +220,8 @@ mod tests {
         assert_eq!(quotient(5, 0, 0), 0);
         assert_eq!(quotient(u128::MAX, 0, 1 << 96), 0);
         assert_eq!(quotient(0, 2, 1), 0);
-        assert_eq!(by_digit(5, 0), (0, 0));
-        assert_eq!(by_digit(u64::MAX, 0), (0, 0));
+        assert_eq!(div_rem(5, 0), (0, 0));
+        assert_eq!(div_rem(u64::MAX, 0), (0, 0));
         assert_eq!(fraction(u64::MAX, 0), 0);
     }
 
@@ -250,8 +250,8 @@ mod tests {
             let (n, d) = (n >> s, (d >> u).max(1));
             let divisor = u64::from(d);
             let remainder = u32::try_from(n % divisor).unwrap();
-            prop_assert_eq!(by_digit(n, d), (n / divisor, remainder));
-            prop_assert_eq!(by_digit(u64::MAX, d).0, u64::MAX / divisor);
+            prop_assert_eq!(div_rem(n, d), (n / divisor, remainder));
+            prop_assert_eq!(div_rem(u64::MAX, d).0, u64::MAX / divisor);
         }
 
         #[test]

@@ -14,7 +14,7 @@ const LAST_BITS: u32 = 2;
     clippy::cast_sign_loss,
     reason = "a number in floating point, none of them below 0 but a step, is cut to the integer next to it"
 )]
-pub fn root(square: u64) -> u32 {
+pub fn isqrt(square: u64) -> u32 {
     // An even shift, so that the root is shifted back by half of it.
     let above = square.leading_zeros() & 62;
     let high = square << above;
@@ -63,10 +63,10 @@ mod tests {
     use proptest::prelude::*;
     use proptest::test_runner::contextualize_config;
 
-    use super::root;
+    use super::isqrt;
 
     fn check(square: u64) {
-        assert_eq!(u64::from(root(square)), square.isqrt(), "of {square}");
+        assert_eq!(u64::from(isqrt(square)), square.isqrt(), "of {square}");
     }
 
     #[test]

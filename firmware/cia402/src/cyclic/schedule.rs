@@ -9,7 +9,7 @@
 
 use canopen::{Duration, Instant};
 use heapless::Deque;
-use motion::by_digit;
+use motion::div_rem;
 use motion::low;
 
 use super::pll::Pll;
@@ -112,7 +112,7 @@ impl Schedule {
             return period;
         }
         // A nominal tick has 32 bits, and there are no more of them in a period.
-        let by = |time: MicrosQ16, by: MicrosQ16| by_digit(time, low::u32(by)).0;
+        let by = |time: MicrosQ16, by: MicrosQ16| div_rem(time, low::u32(by)).0;
         let ticks = by(least, self.nominal).saturating_add(1);
         by(period, ticks)
     }
@@ -125,7 +125,7 @@ fn nearest(off: i64, tick: i64) -> i64 {
         return off;
     }
     // A tick has 32 bits.
-    let rest = i64::from(by_digit(off.unsigned_abs(), low::u32(tick.cast_unsigned())).1);
+    let rest = i64::from(div_rem(off.unsigned_abs(), low::u32(tick.cast_unsigned())).1);
     let off = if off < 0 && rest != 0 {
         tick - rest
     } else {

@@ -3,7 +3,7 @@
 //! A jerk-limited ramp from v takes v/d + j⁻¹·d, over v/2 of that. Where d is not reached it is less than this formula says for any
 //! d, so d is cut to what keeps the numbers within 64 bits.
 
-use motion::{Ramps, SignedSpeed, Speed, low, root};
+use motion::{Ramps, SignedSpeed, Speed, isqrt, low};
 
 use crate::actuator::Actuator;
 use crate::motor::Motor;
@@ -154,7 +154,7 @@ fn rounding(accelerations: (u32, u32), ramps: Ramps, window: u64) -> (u64, u64) 
         #[cfg(feature = "limited-jerk")]
         Ramps::JerkLimited(jerk) => {
             let jerk = u64::from(jerk.max(1));
-            let deceleration = deceleration.min(root(jerk << 31).into());
+            let deceleration = deceleration.min(isqrt(jerk << 31).into());
             let square = deceleration.saturating_mul(deceleration);
             let velocity = square.checked_div(jerk).unwrap_or(0).saturating_add(1);
             (velocity, deceleration)
@@ -194,7 +194,7 @@ pub(super) fn stoppable(accelerations: (u32, u32), ramps: Ramps, window: u64, st
 fn stopped_within(steps: u64, (rounding, deceleration): (u64, u64)) -> u64 {
     let square = rounding.saturating_mul(rounding);
     let sum = deceleration.saturating_mul(8).saturating_mul(steps);
-    let root = u64::from(root(sum.saturating_add(square)));
+    let root = u64::from(isqrt(sum.saturating_add(square)));
     root.saturating_sub(rounding) / 2
 }
 

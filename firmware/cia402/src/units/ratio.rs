@@ -1,6 +1,6 @@
 //! Exact ratios of increments to units.
 
-use motion::{Speed, by_digit, low, quotient};
+use motion::{Speed, div_rem, low, quotient};
 
 /// A ratio of two positive numbers in lowest terms: how many increments a unit is.
 ///
@@ -114,7 +114,7 @@ fn scaled(value: i64, numerator: u64, denominator: u64) -> i64 {
         // So it is with all but odd factors and far positions.
         (Ok(numerator), Ok(denominator)) if amount >> 32 == 0 => {
             let product = (amount & u64::from(u32::MAX)) * u64::from(numerator);
-            let (whole, rest) = by_digit(product, denominator);
+            let (whole, rest) = div_rem(product, denominator);
             whole.saturating_add(u64::from(rest >= denominator - rest))
         }
         _ => wide(amount, numerator, denominator),
@@ -133,12 +133,12 @@ fn fine(value: u32, numerator: u64, denominator: u64) -> u64 {
     match (u32::try_from(numerator), u32::try_from(denominator)) {
         (Ok(numerator), Ok(denominator)) => {
             let product = u64::from(value) * u64::from(numerator);
-            let (whole, rest) = by_digit(product, denominator);
+            let (whole, rest) = div_rem(product, denominator);
             let Ok(whole) = u32::try_from(whole) else {
                 return u64::MAX;
             };
             // The rest is less than the denominator, so this is one digit.
-            let (part, rest) = by_digit(u64::from(rest) << 32, denominator);
+            let (part, rest) = div_rem(u64::from(rest) << 32, denominator);
             let half = u64::from(rest >= denominator - rest);
             (u64::from(whole) << 32).saturating_add(part + half)
         }
@@ -157,7 +157,7 @@ fn coarse(value: u64, numerator: u64, denominator: u64) -> u64 {
         (Ok(numerator), Ok(denominator)) => {
             let low = (value & u64::from(u32::MAX)) * u64::from(numerator);
             let high = (value >> 32) * u64::from(numerator);
-            let (whole, rest) = by_digit(high + (low >> 32), denominator);
+            let (whole, rest) = div_rem(high + (low >> 32), denominator);
             // Behind the point only whether it is half or more can count.
             let twice = u64::from(rest) << 1 | (low >> 31 & 1);
             whole.saturating_add(u64::from(twice >= denominator.into()))

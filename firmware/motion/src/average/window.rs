@@ -1,7 +1,7 @@
 //! Over how much time the mean of a plan is taken.
 
 use crate::clock::Clock;
-use crate::divide::by_digit;
+use crate::divide::div_rem;
 use crate::low;
 use crate::plan::Limits;
 
@@ -24,7 +24,7 @@ impl Window {
     /// In which the acceleration changes by `change` steps/s² at `jerk` steps/s³ or less. At least a segment of so many ticks.
     pub(crate) fn new(clock: Clock, change: u64, jerk: u32, segment: u32) -> Self {
         let ticks = change.saturating_mul(clock.hz().into());
-        let (ticks, over) = by_digit(ticks, jerk.max(1));
+        let (ticks, over) = div_rem(ticks, jerk.max(1));
         let ticks = ticks.saturating_add(u64::from(over > 0));
         Self::of(low::u32(ticks.min(Self::LONGEST.into())), segment)
     }
@@ -49,7 +49,7 @@ impl Window {
     /// The jerk where deceleration comes behind acceleration at once, in steps/s³.
     pub(crate) fn jerk(&self, clock: Clock, acceleration: u32, deceleration: u32) -> u32 {
         let change = u64::from(acceleration).saturating_add(deceleration.into());
-        let (jerk, _) = by_digit(change.saturating_mul(clock.hz().into()), self.ticks());
+        let (jerk, _) = div_rem(change.saturating_mul(clock.hz().into()), self.ticks());
         u32::try_from(jerk).unwrap_or(u32::MAX)
     }
 
@@ -57,7 +57,7 @@ impl Window {
     /// what is allowed, and the jerk is kept.
     pub(crate) fn within(clock: Clock, limits: Limits, jerk: u32) -> Limits {
         let most = u64::from(jerk) * u64::from(Self::LONGEST / 2);
-        let (most, _) = by_digit(most, clock.hz());
+        let (most, _) = div_rem(most, clock.hz());
         let most = u32::try_from(most).unwrap_or(u32::MAX).max(1);
         Limits {
             acceleration: limits.acceleration.min(most),

@@ -1,7 +1,7 @@
 //! Where the commit horizon has been lately: what is being played lies there.
 
 use crate::clock::Ticks;
-use crate::divide::by_digit;
+use crate::divide::div_rem;
 use crate::fixed::{Position, State, Velocity};
 use crate::low;
 
@@ -94,7 +94,7 @@ fn between(before: &Point, after: &Point, t: Ticks) -> State {
     let length = low::u32(after.0.wrapping_sub(before.0));
     let passed = t.wrapping_sub(before.0);
     // Q16 of the distance.
-    let (part, _) = by_digit(passed << 16, length);
+    let (part, _) = div_rem(passed << 16, length);
     let blend = |from: i64, to: i64| {
         // So it is with the velocity in a cruise, where most of the time is spent.
         if from == to {

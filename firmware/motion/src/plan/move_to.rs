@@ -11,7 +11,7 @@ use crate::clock::{Clock, Uq96};
 use crate::divide::{estimate, quotient};
 use crate::fixed::Exact;
 use crate::low;
-use crate::root::root;
+use crate::root::isqrt;
 use crate::speed::Speed;
 use crate::u256::U256;
 
@@ -250,7 +250,7 @@ impl Route {
         // share · 2^(exponent − below): an even exponent, so that its root is a shift.
         let exponent = exponent.cast_signed() - below;
         let odd = exponent & 1;
-        let speed = Uq96::from(root(share >> odd));
+        let speed = Uq96::from(isqrt(share >> odd));
         let half = (exponent + odd) / 2;
         if half < 0 {
             speed >> (half.unsigned_abs() & 127)

@@ -12,7 +12,7 @@ pub(crate) mod polynomial;
 mod train;
 
 use crate::clock::Ticks;
-use crate::divide::by_digit;
+use crate::divide::div_rem;
 use crate::fixed::{Exact, State, Velocity};
 use crate::low;
 use crate::record::{Direction, DriverTiming, Record};
@@ -281,7 +281,7 @@ impl Stepper {
     /// The longest chord at a higher velocity: no more than [`MOST_PULSES`] in it.
     #[cold]
     fn shorter(&self, rate: u32) -> u32 {
-        let (most, _) = by_digit(u64::from(MOST_PULSES) << 32, rate);
+        let (most, _) = div_rem(u64::from(MOST_PULSES) << 32, rate);
         self.reach.min(low::u32(most)).max(self.least)
     }
 
@@ -374,6 +374,6 @@ fn part_of(ticks: u32, part: u64, distance: u64) -> u32 {
     let (distance, part) = (distance >> shift, part >> shift);
     let part = low::u32(part.min(distance));
     let product = u64::from(part) * u64::from(ticks);
-    let (ticks, _) = by_digit(product + (distance >> 1), low::u32(distance));
+    let (ticks, _) = div_rem(product + (distance >> 1), low::u32(distance));
     low::u32(ticks)
 }

@@ -4,7 +4,7 @@
 //! and parabolas are advanced without rounding. What a cubic rounds is less than 2⁻³⁰ steps in a minute.
 
 use crate::clock::Ticks;
-use crate::divide::by_digit;
+use crate::divide::div_rem;
 use crate::fixed::{Exact, Q96, Q128};
 
 /// How the position goes on from a tick.
@@ -50,7 +50,7 @@ impl Polynomial {
         let last = Q96(to.velocity).times(length);
         let b = distance.times(3).minus(first.times(2)).minus(last);
         let c = first.plus(last).minus(distance.times(2));
-        let (inverse, _) = by_digit(u64::MAX, length);
+        let (inverse, _) = div_rem(u64::MAX, length);
         let per_length = |value: Q96| value.part(inverse);
         Self {
             half: per_length(per_length(b)),

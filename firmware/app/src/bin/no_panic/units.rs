@@ -1,7 +1,7 @@
 //! Units of the user, and the divisions behind them.
 
 use cia402::units::{Factors, Range, Ratio, Rotation, SiUnit, Units};
-use motion::{by_digit, quotient, SignedSpeed};
+use motion::{div_rem, quotient, SignedSpeed};
 
 use super::{any, any_u64, look};
 
@@ -63,7 +63,7 @@ pub fn units() {
     look_at(range.nearest(any_i64(), any_i64()));
     look_at(range.target(any_i64(), any_i64(), Rotation::of(any() as u16)));
     look(SiUnit::Velocity.is_named_by(any()).into());
-    let (whole, rest) = by_digit(any_u64(), any());
+    let (whole, rest) = div_rem(any_u64(), any());
     look_at(whole.cast_signed() ^ i64::from(rest));
     let wide = (u128::from(any_u64()) << 64) | u128::from(any_u64());
     look(quotient(wide, any() & 3, wide >> 32) as u32);

@@ -107,12 +107,12 @@ pub(in crate::modes) fn braking_distance(available: i64, gain: i64) -> i64 {
     let squares = u128::from(gain)
         .wrapping_mul(gain.into())
         .saturating_add(u128::from(gain).wrapping_mul(available.into()) << 1);
-    root(squares).saturating_sub(gain).cast_signed()
+    isqrt(squares).saturating_sub(gain).cast_signed()
 }
 
 /// The square root, rounded down.
-pub(super) fn root(square: u128) -> u64 {
+pub(super) fn isqrt(square: u128) -> u64 {
     let wide = 64u32.saturating_sub((square >> 64).leading_zeros().saturating_sub(64));
     let shift = wide.div_ceil(2).wrapping_mul(2);
-    u64::from(motion::root(low::u64(square >> shift))).wrapping_shl(shift / 2)
+    u64::from(motion::isqrt(low::u64(square >> shift))).wrapping_shl(shift / 2)
 }

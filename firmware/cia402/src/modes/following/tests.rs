@@ -22,7 +22,7 @@ fn a_distance_is_velocity_times_time() {
 fn the_root_is_that_of_large_numbers_too() {
     for number in [0, 1, 2, 65_536, u64::MAX >> 1] {
         let square = u128::from(number) * u128::from(number);
-        let found = root(square);
+        let found = isqrt(square);
         assert!(found <= number);
         assert!(number - found <= number >> 20, "{number}: {found}");
     }
