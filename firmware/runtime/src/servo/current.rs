@@ -53,8 +53,8 @@ impl Current {
             .control(counts, since, 0, self.orders.temperature);
         // One at a time, and not where the loops have run, so that no period is much longer than the others.
         match self.at {
-            1 => self.hear(),
-            2 => self.hear_wishes(),
+            1 => self.take_orders(),
+            2 => self.take_set_up(),
             3 => self.tell(counts),
             4 => self.link.tell_found(*self.loops.found()),
             _ => {}
@@ -71,19 +71,19 @@ impl Current {
         (self.at == 0).then(|| self.loops.chopping(counts))
     }
 
-    fn hear(&mut self) {
+    fn take_orders(&mut self) {
         if let Some(orders) = self.link.orders() {
             self.orders = orders;
             self.loops.take(orders.order.map(|(order, _)| order));
         }
         self.loops
-            .energise(self.orders.is_on && !self.orders.is_barred);
+            .energise(self.orders.is_on && !self.orders.is_blocked);
     }
 
-    fn hear_wishes(&mut self) {
-        if let Some(wishes) = self.link.wishes() {
-            self.loops.set_up(&wishes.settings);
-            if let Some(request) = wishes.request {
+    fn take_set_up(&mut self) {
+        if let Some(set_up) = self.link.take_set_up() {
+            self.loops.set_up(&set_up.settings);
+            if let Some(request) = set_up.request {
                 self.loops.request(request);
             }
         }

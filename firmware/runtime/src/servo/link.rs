@@ -20,12 +20,12 @@ pub(super) struct Orders {
     /// The stage, in 0.1 °C.
     pub(super) temperature: i16,
     /// The stage gives no current, whatever is asked of it.
-    pub(super) is_barred: bool,
+    pub(super) is_blocked: bool,
 }
 
 /// From the task of the dictionary.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Wishes {
+pub(super) struct SetUp {
     pub(super) settings: ServoSettings,
     /// Taken once.
     pub(super) request: Option<Request>,
@@ -52,7 +52,7 @@ pub struct Told {
 #[derive(Debug, Default)]
 pub struct Link {
     orders: Mutex<Orders>,
-    wishes: Mutex<Wishes>,
+    set_up: Mutex<SetUp>,
     told: Mutex<Told>,
     found: Mutex<Found>,
     lead: AtomicU16,
@@ -66,9 +66,9 @@ impl Link {
                 order: None,
                 is_on: false,
                 temperature: 250,
-                is_barred: false,
+                is_blocked: false,
             }),
-            wishes: Mutex::new(Wishes {
+            set_up: Mutex::new(SetUp {
                 settings: ServoSettings::NONE,
                 request: None,
             }),
@@ -91,9 +91,9 @@ impl Link {
     }
 
     /// What the board measures: the temperature of the stage in 0.1 °C, and whether it can give no current; that takes it at once.
-    pub fn measured(&self, temperature: i16, is_barred: bool) {
+    pub fn measured(&self, temperature: i16, is_blocked: bool) {
         let mut orders = self.orders.lock();
-        (orders.temperature, orders.is_barred) = (temperature, is_barred);
+        (orders.temperature, orders.is_blocked) = (temperature, is_blocked);
     }
 
     /// What the loops have told last.
@@ -106,11 +106,11 @@ impl Link {
     }
 
     /// What masters have set and ask for. For the task of the dictionary, as the next one.
-    pub fn wish(&self, settings: ServoSettings, request: Option<Request>) {
-        let mut wishes = self.wishes.lock();
-        wishes.settings = settings;
+    pub fn set_up(&self, settings: ServoSettings, request: Option<Request>) {
+        let mut set_up = self.set_up.lock();
+        set_up.settings = settings;
         if request.is_some() {
-            wishes.request = request;
+            set_up.request = request;
         }
     }
 
@@ -129,7 +129,7 @@ impl Link {
     pub(super) fn while_locked(&self, f: impl FnOnce()) {
         let _locked = (
             self.orders.lock(),
-            self.wishes.lock(),
+            self.set_up.lock(),
             self.told.lock(),
             self.found.lock(),
         );
@@ -141,10 +141,10 @@ impl Link {
         self.orders.try_lock().map(|orders| *orders)
     }
 
-    pub(super) fn wishes(&self) -> Option<Wishes> {
-        self.wishes.try_lock().map(|mut wishes| Wishes {
-            settings: wishes.settings,
-            request: wishes.request.take(),
+    pub(super) fn take_set_up(&self) -> Option<SetUp> {
+        self.set_up.try_lock().map(|mut set_up| SetUp {
+            settings: set_up.settings,
+            request: set_up.request.take(),
         })
     }
 

@@ -81,7 +81,7 @@ fn the_sensors_are_learnt_first_and_then_the_magnet_is_looked_for() {
     let (mut current, _, link) = linked(None);
     assert_eq!(run(&mut current, 100, &AT_REST), None);
     link.energise(true);
-    // Heard within five periods; 256 samples with the gates off.
+    // Taken within five periods; 256 samples with the gates off.
     let off = Counts {
         currents: [2_060, 2_048, 2_036],
         ..AT_REST

@@ -107,7 +107,7 @@ pub fn loops(config: DriveConfig) -> Result<(), Implausible> {
             }
             1 => {
                 let (settings, request) = servo_objects.read(&dictionary);
-                LINK.wish(settings, request);
+                LINK.set_up(settings, request);
                 servo_objects.show(&mut dictionary, &LINK.found());
             }
             2 => {

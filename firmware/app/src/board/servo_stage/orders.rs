@@ -70,7 +70,7 @@ pub struct LinkedServoObjects {
 impl ServoObjects for LinkedServoObjects {
     fn attend<D: od::Dictionary>(&mut self, dictionary: &mut D) {
         let (settings, request) = self.objects.read(dictionary);
-        self.link.wish(settings, request);
+        self.link.set_up(settings, request);
         self.objects.show(dictionary, &self.link.found());
         servo::ServoObjects::show_lead(dictionary, self.link.lead());
     }
