@@ -14,7 +14,7 @@ use cia402::{ServoOrder, ServoReport};
 use embedded_storage::nor_flash::NorFlash;
 
 use crate::control::{Moving, TIMING};
-use crate::machine::Room;
+use crate::machine::UserMemory;
 use motion::{DriverTiming, PulseSink};
 use runtime::{Controller, Inbox, Lights};
 
@@ -168,8 +168,8 @@ pub struct Parts<B: Board> {
     pub factory_reset: bool,
     /// Object 1018h:4 unless production has given another, the same at every start and different on every board.
     pub serial_number: u32,
-    /// Room for object 2020h, twice.
-    pub user_memory: [Room; 2],
+    /// Two values of object 2020h.
+    pub user_memory: [UserMemory; 2],
 }
 
 /// Where the control tick puts step pulses in, and what has become of them.
