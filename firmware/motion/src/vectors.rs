@@ -30,7 +30,7 @@ pub(crate) struct Ramp {
     pub(crate) acceleration: u32,
     pub(crate) deceleration: u32,
     pub(crate) duration: f64,
-    pub(crate) way: f64,
+    pub(crate) distance: f64,
 }
 
 /// A jerk-limited move from rest to rest, with the same jerk and acceleration at both ends.
@@ -110,7 +110,7 @@ pub(crate) fn ramps() -> Vec<Ramp> {
             acceleration: whole(&v["a"]),
             deceleration: whole(&v["d"]),
             duration: real(&v["t"]),
-            way: real(&v["dx"]),
+            distance: real(&v["dx"]),
         })
         .collect()
 }

@@ -387,9 +387,9 @@ impl<L: EmitterLock> Actuator for ServoAxis<L> {
         // v² / 2a, in increments; Q16 of the velocity is fine enough.
         let velocity = i128::from(self.rotor.velocity.bits() >> 16);
         let twice = i128::from(deceleration).wrapping_shl(33);
-        let way = velocity.wrapping_mul(velocity.saturating_abs()).checked_div(twice);
-        let way = i64::try_from(way.unwrap_or(0)).unwrap_or(0);
-        self.rotor.position.saturating_add(way)
+        let distance = velocity.wrapping_mul(velocity.saturating_abs()).checked_div(twice);
+        let distance = i64::try_from(distance.unwrap_or(0)).unwrap_or(0);
+        self.rotor.position.saturating_add(distance)
     }
 
     fn cut_off(&mut self) {

@@ -15,8 +15,8 @@
 //!   of the mode, hands over nothing.
 //! - Halt (bit 8) stops on the ramp of 605Dh and keeps the target; releasing it goes on. Set-points are taken but not started.
 //! - A target outside 607Dh, or outside 32 bits, is cut to the limit; bit 11 shows it and bit 10 stays 0. The limits are off
-//!   while the minimum is not below the maximum. Where the motor is beyond a limit, a target further out leads nowhere, and one the other
-//!   way just as far as it says.
+//!   while the minimum is not below the maximum. Where the motor is beyond a limit, it does not move to a target further out, and moves to
+//!   one in the other direction as it is asked to.
 //! - A velocity above 607Fh, 6080h or what the pulses can reach, a ramp above 60C5h or 60C6h is cut (bit 11). A set-point
 //!   that cannot be carried out (6081h = 0) is taken and acknowledged, the motor stops or stays, bit 10 stays 0 and bit 11 is 1;
 //!   the next set-point replaces it at once.
@@ -72,7 +72,7 @@ pub(super) struct ProfilePosition {
     target: i64,
     /// The same in units of the user, that relative ones count from; none since operation was enabled.
     user: Option<i64>,
-    /// On which side of the target the motor was when the set-point began: the sign of the way to go.
+    /// On which side of the target the motor was when the set-point began: the sign of the distance to it.
     direction: i64,
     /// The motion behind a target that is passed.
     beyond: KeptVelocity,

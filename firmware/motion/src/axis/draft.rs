@@ -73,7 +73,7 @@ impl Draft {
     }
 
     /// Plans a move that begins and ends with a speed which the motor takes and loses at once: a start speed. From motion away from the target, or where
-    /// the way is too short to slow down to it, it is a move without one; so is one along a mean.
+    /// the distance is too short to slow down to it, it is a move without one; so is one along a mean.
     ///
     /// # Errors
     /// [`PlanError`]; the draft is as it was.

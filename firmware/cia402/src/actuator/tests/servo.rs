@@ -166,8 +166,8 @@ impl Actuator for Servo {
     }
 
     fn heading(&self) -> Option<Direction> {
-        let way = self.destination().wrapping_sub(self.committed_position()) as f64 + self.velocity;
-        let direction = if way < 0.0 { Direction::Reverse } else { Direction::Forward };
+        let distance = self.destination().wrapping_sub(self.committed_position()) as f64 + self.velocity;
+        let direction = if distance < 0.0 { Direction::Reverse } else { Direction::Forward };
         (self.goal != Goal::Rest).then_some(direction)
     }
 

@@ -446,11 +446,11 @@ fn m63_early_ticks_take_no_set_point_twice_and_leave_sync_its_beat() {
         let at = rig.now() - Duration::micros(750);
         // There and back, with breaks of which one is too long.
         let is_there = number % 200 != 7 && !(1_000..1_003).contains(&number);
-        let way = 5 * i32::try_from(number % 600).unwrap();
+        let distance = 5 * i32::try_from(number % 600).unwrap();
         let position = if number % 1_200 < 600 {
-            way
+            distance
         } else {
-            3_000 - way
+            3_000 - distance
         };
         rig.exchange.sync_event(SyncEvent {
             at: Instant::from_ticks(at.ticks()),

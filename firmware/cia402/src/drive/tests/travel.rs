@@ -73,8 +73,8 @@ fn m44_a_stop_that_ends_within_the_software_limits_keeps_its_ramp() {
     let begin = rig.motor.position;
     rig.ticks(3);
     assert!(!rig.limited());
-    let way = rig.rest() - begin;
-    assert!((900..1_000).contains(&way), "{way} steps");
+    let distance = rig.rest() - begin;
+    assert!((900..1_000).contains(&distance), "{distance} steps");
 }
 
 #[test]
@@ -99,6 +99,6 @@ fn m44_a_stop_on_the_way_back_from_beyond_a_limit_keeps_its_ramp() {
     rig.write(0x10F);
     let begin = rig.motor.position;
     rig.ticks(3);
-    let way = begin - rig.rest();
-    assert!((4_500..4_600).contains(&way), "{way} steps");
+    let distance = begin - rig.rest();
+    assert!((4_500..4_600).contains(&distance), "{distance} steps");
 }

@@ -318,9 +318,9 @@ fn m48_an_interrupted_homing_slows_down_no_faster_than_allowed() {
     rig.ticks(200);
     let begin = rig.motor.position;
     rig.write(0x0F);
-    let way = rig.rest() - begin;
+    let distance = rig.rest() - begin;
     // 10,000 steps/s on 20,000 steps/s², not on 200,000.
-    assert!((2_500..2_600).contains(&way), "{way}");
+    assert!((2_500..2_600).contains(&distance), "{distance}");
 }
 
 #[test]

@@ -73,7 +73,7 @@ impl ProfilePosition {
             (self.target, 0)
         } else {
             let committed = context.motor.committed_position();
-            // In motion, the way to stop and to come back is part of it.
+            // In motion, the distance to stop and to come back is part of it.
             (committed, longest_stop(context, set_point))
         };
         let reach = REACH.saturating_sub(stop.saturating_mul(4));

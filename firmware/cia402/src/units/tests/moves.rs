@@ -157,16 +157,16 @@ proptest! {
     #[test]
     fn i07_m31_relative_moves_add_up_to_the_absolute_one(
         increments in 1u32..300, units in 1u32..300, polarity: u8,
-        ways in prop::collection::vec(-300i32..300, 1..12),
+        distances in prop::collection::vec(-300i32..300, 1..12),
     ) {
         let factors = Factors { polarity, ..ratio(increments, units) };
         let mut relative = rig(factors);
-        for way in &ways {
-            relative.set_point(*way, RELATIVE_AT_ONCE);
+        for distance in &distances {
+            relative.set_point(*distance, RELATIVE_AT_ONCE);
             relative.ticks(3);
         }
         let mut absolute = rig(factors);
-        let sum: i32 = ways.iter().sum();
+        let sum: i32 = distances.iter().sum();
         absolute.set_point(sum, 0);
         prop_assert_eq!(relative.rest(), absolute.rest());
         prop_assert_eq!(relative.actuals().position_actual, sum);
@@ -177,15 +177,15 @@ proptest! {
     #[test]
     fn i07_relative_moves_add_up_with_any_ratio(
         increments in 1u32 << 30..=u32::MAX, units in 1u32 << 30..=u32::MAX, polarity: u8,
-        ways in prop::collection::vec(-300i32..300, 1..12),
+        distances in prop::collection::vec(-300i32..300, 1..12),
     ) {
         let factors = Factors { polarity, ..ratio(increments, units) };
         let mut relative = rig(factors);
-        for way in &ways {
-            relative.set_point(*way, RELATIVE_AT_ONCE);
+        for distance in &distances {
+            relative.set_point(*distance, RELATIVE_AT_ONCE);
             relative.ticks(3);
         }
-        let sum: i32 = ways.iter().sum();
+        let sum: i32 = distances.iter().sum();
         let exact = f64::from(sum) * f64::from(increments) / f64::from(units);
         let real = relative.rest() as f64 * if polarity & 0x80 == 0 { 1.0 } else { -1.0 };
         prop_assert!((real - exact).abs() <= 0.500_001, "{} for {}", real, exact);

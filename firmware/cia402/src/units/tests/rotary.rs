@@ -30,13 +30,13 @@ fn go(rig: &mut Rig, target: i32, code: u16) -> i64 {
 
 #[test]
 fn m59_from_350_to_10_degrees_by_each_code() {
-    for (code, way) in [(0, -340), (1, -340), (2, 20), (3, 20)] {
+    for (code, distance) in [(0, -340), (1, -340), (2, 20), (3, 20)] {
         let mut rig = rig(TABLE);
         go(&mut rig, 350, 0);
         assert_eq!(at(&rig), (350, 3_111));
         let steps = go(&mut rig, 10, code);
         assert_eq!(rig.actuals().position_actual, 10, "code {code}");
-        let total = i64::from(350 + way) * 80;
+        let total = i64::from(350 + distance) * 80;
         assert_eq!(
             rig.motor.position,
             (total * 2 + 9) / 18,
@@ -89,7 +89,7 @@ fn m59_a_target_where_the_axis_stands_is_no_turn() {
 #[test]
 fn m59_one_direction_is_not_half_a_unit_the_other_way() {
     for (polarity, sign) in [(0, 1), (0x80, -1)] {
-        for (steps, code, way) in [
+        for (steps, code, distance) in [
             (104, 2, 3_596),
             (104, 1, -4),
             (104, 3, -4),
@@ -113,7 +113,7 @@ fn m59_one_direction_is_not_half_a_unit_the_other_way() {
             rig.tick();
             assert_eq!(rig.actuals().position_actual, 10);
             let moved = go(&mut rig, 10, code);
-            assert_eq!(moved, way * i64::from(sign), "from {steps} by {code}");
+            assert_eq!(moved, distance * i64::from(sign), "from {steps} by {code}");
             assert_eq!(go(&mut rig, 10, code), 0, "there it is exactly");
         }
     }

@@ -316,8 +316,8 @@ fn a_linear_stop_leaves_the_average() {
     run(&mut axis, &mut sink);
     assert!(sink.ticks - horizon <= ms(100) + u64::from(axis.stepper.segment()));
     // v² / 2d
-    let way = sink.position - there.position.whole_steps();
-    assert!((way - 4000).abs() <= 1, "{way} steps");
+    let distance = sink.position - there.position.whole_steps();
+    assert!((distance - 4000).abs() <= 1, "{distance} steps");
 }
 
 #[test]

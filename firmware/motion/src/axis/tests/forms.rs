@@ -144,7 +144,7 @@ fn t_limited_jerk_makes_every_move() {
         run(&mut axis, &mut sink);
         assert_eq!(sink.position, v.distance, "{}", v.name);
         assert_eq!(sink.ticks, planned, "{}", v.name);
-        // No faster than without a limit of the jerk, but for the way that braking takes longer: then it turns, or passes the corner faster.
+        // No faster than without a limit of the jerk, but for the distance that braking takes longer: then it turns, or passes the corner faster.
         if v.v0 == 0 {
             assert!(planned as f64 >= ticks(v.duration) - 1.0, "{}", v.name);
             assert_eq!(sink.pulses, v.distance.unsigned_abs(), "{}", v.name);
@@ -152,7 +152,7 @@ fn t_limited_jerk_makes_every_move() {
     }
 }
 
-/// Seconds and way of a jerk-limited ramp between two velocities of one sign.
+/// Seconds and distance of a jerk-limited ramp between two velocities of one sign.
 fn smooth_ramp(from: f64, to: f64, most: f64, jerk: f64) -> (f64, f64) {
     let change = (to - from).abs();
     let time = if change >= most * most / jerk {
@@ -178,8 +178,8 @@ fn check_ramp(id: &str) {
         axis.ramp_to(v.v1.into(), limits).unwrap();
         sink.follow(&axis);
         let window = f64::from(axis.window()) / f64::from(HZ);
-        // Until the velocity is there, and the way to there.
-        let (duration, way) = match form {
+        // Until the velocity is there, and the distance to there.
+        let (duration, distance) = match form {
             form if form.jerk().is_some() && v0 * v1 < 0.0 => {
                 let slower = smooth_ramp(v0, 0.0, d, jerk.into());
                 let faster = smooth_ramp(0.0, v1, a, jerk.into());
@@ -189,8 +189,8 @@ fn check_ramp(id: &str) {
                 let most = if v1.abs() > v0.abs() { a } else { d };
                 smooth_ramp(v0, v1, most, jerk.into())
             }
-            Ramps::MovingAverage(_) => (v.duration + window, v.way + (v0 + v1) * window / 2.0),
-            _ => (v.duration, v.way),
+            Ramps::MovingAverage(_) => (v.duration + window, v.distance + (v0 + v1) * window / 2.0),
+            _ => (v.duration, v.distance),
         };
         let name = std::format!("{id}, {form:?}");
         let until = ticks(duration + 0.1) as Ticks;
@@ -202,7 +202,7 @@ fn check_ramp(id: &str) {
             assert_end(form, axis.committed, ticks(duration));
         }
         let seconds = axis.committed as f64 / f64::from(HZ);
-        let wanted = way + v1 * (seconds - duration);
+        let wanted = distance + v1 * (seconds - duration);
         let off = sink.position as f64 - wanted;
         assert!(off.abs() <= 1.1, "{name}: {off} steps off");
         if v.v1 != 0 {
@@ -281,15 +281,15 @@ fn r1_target_moved_behind_in_full_flight_with_each_form() {
             sink.play(axis.stepper.segment().into());
         }
         assert_eq!(sink.position, 20_000, "{form:?}");
-        let (time, way) = full_ramp(form);
-        let turn = from + way;
+        let (time, distance) = full_ramp(form);
+        let turn = from + distance;
         // The mean of a parabola is less than its peak.
         let rounded = 500_000.0 * window * window / 24.0;
         let off = highest as f64 - (turn - rounded);
         assert!(off.abs() <= 1.0, "{form:?}: turned {off} steps beyond");
         let back = turn - 20_000.0;
-        assert!(back >= 2.0 * way, "{form:?}: {back} steps back");
-        let back = 2.0 * time + (back - 2.0 * way) / 100_000.0;
+        assert!(back >= 2.0 * distance, "{form:?}: {back} steps back");
+        let back = 2.0 * time + (back - 2.0 * distance) / 100_000.0;
         assert_end(form, sink.ticks, at as f64 + ticks(time + back + window));
     }
 }

@@ -62,7 +62,7 @@ fn a_velocity_that_stays_takes_few_records_and_each_pulse_is_at_its_tick() {
     }
 }
 
-/// A tick may hand out pulses right behind a refill: one or two are due then, and no record is as short as that.
+/// A tick may commit pulses right behind a refill: one or two are due then, and no record is as short as that.
 #[test]
 fn a_refill_right_behind_another_costs_no_rate() {
     for velocity in [2_100_000, 3_333_333, 4_444_444, 4_900_000, 4_941_176] {

@@ -129,7 +129,7 @@ proptest! {
     }
 }
 
-/// Braking from the end velocity is the measure of the way: one that leads round all positions is none.
+/// Braking from the end velocity is the measure of the distance: one that leads round all positions is none.
 #[test]
 fn an_end_velocity_that_brakes_beyond_the_span_is_refused() {
     let clock = clock(HZ);

@@ -141,9 +141,9 @@ fn check_ramp(id: &str) {
         let tick = f64::from(v.v1).abs() / f64::from(hz);
         let way = steps(there) - 5.0;
         assert!(
-            (way - v.way).abs() <= tick + 1e-6,
+            (way - v.distance).abs() <= tick + 1e-6,
             "{name}: {way} for {}",
-            v.way
+            v.distance
         );
     }
 }
