@@ -233,7 +233,8 @@ impl Module {
             (actuals.counter, actuals.position_demand, actuals.is_moving),
         );
         let is_changed = self.inhibit.look(dictionary, self.wires, view.at);
-        let has_tripped = self.trip.look(actuals.at, actuals.position_demand.into());
+        let demand = actuals.position_demand.into();
+        let has_tripped = self.trip.look(actuals.at, demand, actuals.has_compare);
         let code = number(dictionary, 0x2712, 0);
         let fault = if self.is_hot {
             Some(HOT)

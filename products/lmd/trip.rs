@@ -1,7 +1,9 @@
-//! The trip output (2038h): a pulse where the demand passes a point, and then every so many microsteps.
+//! The trip output (2038h): a pulse where the demand passes a point, and then every so many microsteps. A board that compares positions itself makes it
+//! with the very pulse of the motor; else it comes with the control tick behind that.
 
 use canopen::Instant;
 use canopen::od::Dictionary;
+use cia402::Compare;
 use cia402::behaviour::number;
 use cia402::commands::Commands;
 
@@ -26,6 +28,9 @@ pub(super) struct Trip {
     before: Option<i64>,
     ticked: Option<Instant>,
     is_high: bool,
+    /// For a board that compares positions.
+    number: u8,
+    has_compare: bool,
 }
 
 impl Trip {
@@ -37,13 +42,16 @@ impl Trip {
             point: number(dictionary, 0x2038, 2),
             spacing: number(dictionary, 0x2038, 3),
             left: (count != 0).then_some(count),
+            number: self.number.wrapping_add(1),
+            has_compare: self.has_compare,
             ..Self::default()
         };
     }
 
     /// Looks where the demand is. Returns whether the output is another one now.
-    pub(super) fn look(&mut self, ticked: Instant, demand: i64) -> bool {
-        if !self.is_enabled || self.ticked.replace(ticked) == Some(ticked) {
+    pub(super) fn look(&mut self, ticked: Instant, demand: i64, has_compare: bool) -> bool {
+        self.has_compare = has_compare;
+        if has_compare || !self.is_enabled || self.ticked.replace(ticked) == Some(ticked) {
             return false;
         }
         let before = self.before.replace(demand).unwrap_or(demand);
@@ -66,7 +74,16 @@ impl Trip {
     }
 
     pub(super) fn command(&self, commands: &mut Commands) {
-        if self.is_enabled {
+        if self.is_enabled && self.has_compare {
+            let least = |number: i64| number as i32;
+            commands.compare = Some(Compare {
+                position: least(self.point),
+                spacing: least(self.spacing),
+                count: self.left.unwrap_or(0) as u16,
+                number: self.number,
+                output: (OUTPUT >> 16) as u8,
+            });
+        } else if self.is_enabled {
             let level = if self.is_high { OUTPUT } else { 0 };
             commands.digital_outputs = commands.digital_outputs & !OUTPUT | level;
             commands.digital_outputs_mask |= OUTPUT;

@@ -41,10 +41,15 @@ impl Bench {
     pub fn run(&mut self, milliseconds: u32) {
         let end = self.now + Duration::from_ticks(u64::from(milliseconds) * 1_000);
         while self.now < end {
-            self.now += STEP;
-            self.drive.poll(self.now);
-            self.collect();
+            self.tick();
         }
+    }
+
+    /// Lets a tenth of a millisecond pass.
+    pub fn tick(&mut self) {
+        self.now += STEP;
+        self.drive.poll(self.now);
+        self.collect();
     }
 
     fn collect(&mut self) {

@@ -177,7 +177,7 @@ fn the_lmd_flags_a_captured_position() {
     assert_eq!(bench.read(NODE, 0x2033, 2) as u8, 0);
 }
 
-/// The trip output pulses at its first point and then at each spacing, as often as it is to: in the control tick in which the demand passes.
+/// The trip output pulses at its first point and then at each spacing, as often as it is to: with the very pulse of the motor that comes there.
 #[test]
 fn the_trip_output_pulses_at_its_points() {
     for (control, first, spacing, points) in [
@@ -196,22 +196,54 @@ fn the_trip_output_pulses_at_its_points() {
         bench.write(NODE, 0x2038, 2, &first.to_le_bytes());
         bench.write(NODE, 0x2038, 3, &spacing.to_le_bytes());
         bench.write(NODE, 0x2038, 1, &control.to_le_bytes());
+        bench.drive.plant_mut().pulses_mut().record();
         begin(&mut bench, 45_000, 20_000, 1_000_000);
-        let (mut pulses, mut was_high) = (vec![], false);
-        for _ in 0..3_000 {
-            bench.run(1);
-            let plant = bench.drive.plant_mut();
-            let is_high = plant.outputs() & 0b100 != 0;
-            if is_high && !was_high {
-                pulses.push(plant.position());
-            }
+        let (mut pulses, mut was_high, mut high) = (0, false, 0);
+        for _ in 0..30_000 {
+            bench.tick();
+            let is_high = bench.drive.plant_mut().outputs() & 0b100 != 0;
+            pulses += usize::from(is_high && !was_high);
+            high += usize::from(is_high);
             was_high = is_high;
         }
-        assert_eq!(pulses.len(), points.len(), "{control:04X}h: {pulses:?}");
-        for (pulse, point) in pulses.iter().zip(points) {
-            // A control tick or two at 20 counts a tick, and the lead of the demand.
-            assert!(pulse.abs_diff(point) <= 120, "{control:04X}h: {pulses:?}");
-        }
+        assert_eq!(pulses, points.len(), "{control:04X}h");
+        assert_eq!(high, pulses * 10, "a millisecond each");
+        let plant = bench.drive.plant_mut();
+        let times: Vec<_> = (points.iter())
+            .map(|point| (*point, plant.pulses().recorded()[*point as usize - 1]))
+            .collect();
+        assert_eq!(plant.pulses().compared(), times, "{control:04X}h");
+    }
+}
+
+/// The points count as positions do: from home, and the other way round with the motor.
+#[test]
+fn the_trip_output_counts_from_home() {
+    for (polarity, sign) in [(0_u8, 1_i64), (0x80, -1)] {
+        let mut bench = Bench::node("lmd", NODE);
+        bench.write(NODE, 0x2030, 0, &[polarity]);
+        number(&mut bench, 0x607C, 0, 700);
+        bench.write(NODE, 0x6098, 0, &[35]);
+        bench.write(NODE, 0x6060, 0, &[6]);
+        bench.enable(NODE);
+        command(&mut bench, 0x1F);
+        bench.wait_for_status(NODE, 0x3400, 0x1400, 1_000);
+        assert_eq!(position(&mut bench), -700);
+        bench.write(NODE, 0x6060, 0, &[1]);
+        command(&mut bench, 0x0F);
+        bench.run(20);
+        bench.write(NODE, 0x2031, 0, &[4]);
+        number(&mut bench, 0x2038, 2, 4_000);
+        number(&mut bench, 0x2038, 3, 1_000);
+        bench.write(NODE, 0x2038, 1, &0x8002_u16.to_le_bytes());
+        begin(&mut bench, 10_000, 50_000, 1_000_000);
+        bench.run(1_000);
+        let plant = bench.drive.plant_mut();
+        assert_eq!(plant.position(), 10_700 * sign);
+        let found: Vec<_> = (plant.pulses().compared().iter())
+            .map(|(position, _)| i64::from(*position))
+            .collect();
+        assert_eq!(found, [4_700 * sign, 5_700 * sign]);
     }
 }
 

@@ -18,6 +18,21 @@ pub struct DriveConfig {
     pub refills: u32,
 }
 
+/// An output that rises with the very pulse that comes to a position, and then at each further one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Compare {
+    /// The first position in increments: in [`Commands`](crate::commands::Commands) as the master counts, in [`Outputs`] as the board does.
+    pub position: i32,
+    /// From one to the next; 0 for one alone.
+    pub spacing: i32,
+    /// After so many it is over; 0: never.
+    pub count: u16,
+    /// Another number begins anew with the first one.
+    pub number: u8,
+    /// The output, a bit as in [`Outputs::digital`].
+    pub output: u8,
+}
+
 /// What the board measures, read once at the start of a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Inputs {
@@ -48,6 +63,8 @@ pub struct Inputs {
     pub auxiliary_voltage: Option<u32>,
     /// The battery of an encoder in millivolts; `None` if there is none.
     pub battery_voltage: Option<u32>,
+    /// The board carries out [`Outputs::compare`].
+    pub has_compare: bool,
     /// The second counter, an external encoder; it goes on behind the end of its bits. 0 where the board has none.
     pub counter: i32,
 }
@@ -70,6 +87,8 @@ pub struct Outputs {
     pub microsteps: u16,
     /// The levels of the digital outputs, output `n` in bit `n − 1`.
     pub digital: u8,
+    /// An output that is to rise at positions, each time for a control tick, whatever its level is here. A board that cannot leaves it alone.
+    pub compare: Option<Compare>,
 }
 
 /// The axis with segments at least as long as the time from one commitment to the next, so that with two of them one may come late by as much.

@@ -2,6 +2,7 @@
 
 use motion::{SignedSpeed, Speed};
 
+use crate::board::Compare;
 use crate::controlword::{Command, HALT, NEW_SET_POINT};
 use crate::copied::copy_fields;
 
@@ -72,6 +73,8 @@ pub struct Commands {
     pub fault: Option<u16>,
     /// The level of the home switch where it is no input of the drive: it takes the place of those that are for it.
     pub home_switch: Option<bool>,
+    /// An output that rises at positions.
+    pub compare: Option<Compare>,
 }
 
 /// What a set-point of profile position is made from: the objects and bits as they were at the edge of bit 4.
@@ -125,6 +128,7 @@ impl Commands {
         passed_set_point: None,
         fault: None,
         home_switch: None,
+        compare: None,
     };
 
     /// Puts what is only posted once on top of `earlier` commands that no tick has taken yet.
@@ -148,7 +152,7 @@ impl Commands {
     /// Takes over all of other ones, field by field.
     #[inline]
     pub(crate) fn assign(&mut self, from: &Self) {
-        copy_fields!(Self { controlword, rising, stop, shutdown_first, overwritten, remote, connection_error, restart, mode, vl_target_velocity, target_position, profile_velocity, end_velocity, positioning_option, profile_acceleration, profile_deceleration, target_velocity, #[cfg(feature = "torque")] velocity_offset, target_torque, torque_offset, touch_probe_function, touch_probes_off, digital_outputs, digital_outputs_mask, outputs_written, passed_set_point, fault, home_switch }, from => self);
+        copy_fields!(Self { controlword, rising, stop, shutdown_first, overwritten, remote, connection_error, restart, mode, vl_target_velocity, target_position, profile_velocity, end_velocity, positioning_option, profile_acceleration, profile_deceleration, target_velocity, #[cfg(feature = "torque")] velocity_offset, target_torque, torque_offset, touch_probe_function, touch_probes_off, digital_outputs, digital_outputs_mask, outputs_written, passed_set_point, fault, home_switch, compare }, from => self);
     }
 
     /// Whether these ask for a stop that those of before did not: halt, a command that leaves operation enabled, or the network may command the drive no

@@ -258,6 +258,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             current: self.motor_current(tick.elapsed),
             microsteps: self.configuration.microsteps,
             digital: self.output_levels(statusword),
+            compare: self.compare(),
         }
     }
 

@@ -373,6 +373,7 @@ mod tests {
         analogue: None,
         auxiliary_voltage: None,
         battery_voltage: None,
+        has_compare: false,
         counter: 0,
     };
 

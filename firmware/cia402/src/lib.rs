@@ -67,7 +67,7 @@ pub use actuator::{
     ServoReport, StepAxis,
 };
 pub use behaviour::{Behaves, Behaviour};
-pub use board::{DriveConfig, Inputs, Outputs};
+pub use board::{Compare, DriveConfig, Inputs, Outputs};
 pub use cia402_parameters::{self as parameters, Features, Habits, NetworkObjects, Parameter};
 pub use commands::{Commands, SetPoint};
 pub use configuration::Configuration;

@@ -251,6 +251,7 @@ impl Rig {
             analogue: self.analogue,
             auxiliary_voltage: None,
             battery_voltage: None,
+            has_compare: false,
             counter: 0,
         }
     }

@@ -44,6 +44,7 @@ impl PowerStage for Plant {
             analogue: Some(self.analogue),
             auxiliary_voltage: Some(self.auxiliary_voltage),
             battery_voltage: Some(self.battery_voltage),
+            has_compare: true,
             counter: self.second.count(self.now()),
         };
         self.now()
@@ -57,6 +58,7 @@ impl PowerStage for Plant {
         self.energise(outputs.power_stage);
         self.set_driver(outputs.current, outputs.microsteps);
         self.set_outputs(outputs.digital);
+        self.pulses_mut().compare(outputs.compare);
         self.open_brake(outputs.brake_released);
     }
 

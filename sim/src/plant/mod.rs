@@ -340,7 +340,7 @@ impl Plant {
 
     /// The levels of the digital outputs, output `n` in bit `n − 1`.
     pub fn outputs(&self) -> u8 {
-        self.outputs
+        self.outputs | self.pulses.outputs()
     }
 
     /// The position in steps as the drive counts it: every pulse that left, by its direction, or the encoder.

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use cia402::{ServoOrder, ServoPort, ServoReport};
+use cia402::{Compare, ServoOrder, ServoPort, ServoReport};
 use motion::step_interrupt::CAPACITY;
 use motion::{PulseSink, Record, Ticks};
 
@@ -46,6 +46,37 @@ pub struct PulsePlayer {
     report: ServoReport,
     /// When each pulse left, if that is kept.
     times: Option<Vec<Ticks>>,
+    comparison: Comparison,
+}
+
+/// So long is an output high that rose at a position, in ticks: a control tick.
+const HIGH: Ticks = 84_000;
+
+/// An output that rises at positions.
+#[derive(Clone, Debug, Default)]
+struct Comparison {
+    set_up: Option<Compare>,
+    next: i32,
+    /// How often it is still to rise; for ever without a number.
+    left: Option<u16>,
+    /// Position and time of each time that it rose.
+    edges: Vec<(i32, Ticks)>,
+}
+
+impl Comparison {
+    /// A pulse has come to a position at this time.
+    fn pass(&mut self, position: i32, at: Ticks) {
+        let Some(set_up) = &self.set_up else { return };
+        if self.left == Some(0) || position != self.next {
+            return;
+        }
+        self.edges.push((position, at));
+        self.left = self.left.map(|left| left - 1);
+        self.next = self.next.wrapping_add(set_up.spacing);
+        if set_up.spacing == 0 {
+            self.left = Some(0);
+        }
+    }
 }
 
 impl PulsePlayer {
@@ -92,6 +123,30 @@ impl PulsePlayer {
         self.pending = 0;
     }
 
+    /// An output is to rise at positions, from now on.
+    pub fn compare(&mut self, set_up: Option<Compare>) {
+        if set_up != self.comparison.set_up {
+            self.comparison.next = set_up.map_or(0, |set_up| set_up.position);
+            let count = set_up.map(|set_up| set_up.count);
+            self.comparison.left = count.filter(|count| *count != 0);
+            self.comparison.set_up = set_up;
+        }
+    }
+
+    /// Positions at which an output rose, with the time in ticks since the power came.
+    pub fn compared(&self) -> &[(i32, Ticks)] {
+        &self.comparison.edges
+    }
+
+    /// The outputs that are high for that.
+    pub(super) fn outputs(&self) -> u8 {
+        let comparison = &self.comparison;
+        match (&comparison.set_up, comparison.edges.last()) {
+            (Some(set_up), Some((_, at))) if self.ends < at + HIGH => set_up.output,
+            _ => 0,
+        }
+    }
+
     /// The ticks of all calls of [`PulsePlayer::play`].
     pub(super) fn played(&self) -> Ticks {
         self.ends
@@ -136,6 +191,14 @@ impl PulsePlayer {
                 at,
                 period: record.period,
             });
+            if self.comparison.set_up.is_some() {
+                let first = self.began + at;
+                for n in 0..pulses {
+                    let position = self.position + (n + 1) * steps.signum();
+                    let at = first + n as u64 * u64::from(record.period);
+                    self.comparison.pass(position as i32, at);
+                }
+            }
             self.position += steps;
             if let Some(times) = &mut self.times {
                 let first = self.began + at;

@@ -359,6 +359,7 @@ fn any_inputs() -> Inputs {
         analogue: (any() == 0).then(|| any() as u16),
         auxiliary_voltage: (any() == 0).then(any),
         battery_voltage: (any() == 0).then(any),
+        has_compare: any() == 0,
         counter: any() as i32,
     }
 }

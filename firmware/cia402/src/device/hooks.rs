@@ -247,6 +247,7 @@ impl<A, B: Behaviour> Hooks<A, B> {
             passed_set_point: None,
             fault: None,
             home_switch: None,
+            compare: None,
         };
         if B::IS_THERE {
             self.behaviour.command(dictionary, units, &mut commands);

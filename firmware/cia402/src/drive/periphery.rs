@@ -4,6 +4,7 @@ use canopen::Instant;
 
 use super::{Drive, Inputs, Tick};
 use crate::actuator::{Actuator, TORQUE_MODES};
+use crate::board::Compare;
 use crate::objects::Objects;
 use crate::periphery::News;
 use crate::periphery::digital_outputs::Shown;
@@ -124,6 +125,21 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         self.periphery
             .current
             .choose(motion, elapsed, &self.configuration.currents)
+    }
+
+    /// Where an output is to rise, in the count of the board.
+    pub(super) fn compare(&self) -> Option<Compare> {
+        let compare = self.commands.compare?;
+        let count = self.motor.count(compare.position.into());
+        Some(Compare {
+            position: count.board_position(),
+            spacing: if count.is_reversed {
+                compare.spacing.wrapping_neg()
+            } else {
+                compare.spacing
+            },
+            ..compare
+        })
     }
 
     /// The levels of the digital outputs.

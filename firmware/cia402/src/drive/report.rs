@@ -89,6 +89,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             },
             digital_inputs: self.switches.word(),
             counter: inputs.counter,
+            has_compare: inputs.has_compare,
             referenced: self.motor.is_referenced(),
             homing_failure: self.modes.homing_failure(),
             sync,

@@ -43,6 +43,8 @@ pub struct Actuals {
     pub digital_inputs: u32,
     /// The second counter of the board, for [`gearing`](crate::gearing).
     pub counter: i32,
+    /// The board carries out [`Outputs::compare`](crate::Outputs::compare).
+    pub has_compare: bool,
     /// 2034h:1: the home position is known.
     pub referenced: bool,
     /// 2034h:2.
@@ -77,7 +79,7 @@ impl Actuals {
     /// Takes over all of other ones, field by field.
     #[inline]
     fn assign(&mut self, from: &Self) {
-        copy_fields!(Self { at, statusword, mode_display, error_code, vl_velocity_demand, vl_velocity_actual, position_demand, position_actual_internal, position_actual, velocity_demand, velocity_actual, following_error, torque, digital_inputs, counter, referenced, homing_failure, sync, is_moving, safe }, from => self);
+        copy_fields!(Self { at, statusword, mode_display, error_code, vl_velocity_demand, vl_velocity_actual, position_demand, position_actual_internal, position_actual, velocity_demand, velocity_actual, following_error, torque, digital_inputs, counter, has_compare, referenced, homing_failure, sync, is_moving, safe }, from => self);
     }
 
     /// What is known before the first tick: a drive that is not ready to switch on.
@@ -97,6 +99,7 @@ impl Actuals {
         torque: Torque::NONE,
         digital_inputs: 0,
         counter: 0,
+        has_compare: false,
         referenced: false,
         homing_failure: 0,
         sync: SyncStatus::NONE,
