@@ -126,6 +126,16 @@ impl Orders {
         asks.commands = true;
     }
 
+    /// Whether a command has begun homing and it goes on.
+    pub(super) fn is_homing(&self) -> bool {
+        self.homing != Homing::None
+    }
+
+    /// Homing begins as by MH.
+    pub(super) const fn home(&mut self) {
+        self.homing = Homing::Ordered;
+    }
+
     /// A controlword; returns its bits that rose.
     pub(super) fn controlword(&mut self, word: u16, seen: &Seen) -> u16 {
         let rises = word & !self.word;

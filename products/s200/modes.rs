@@ -14,7 +14,7 @@ use cia402::units::Units;
 
 use super::Seen;
 
-const DIGITAL_VELOCITY: i64 = -128;
+pub(super) const DIGITAL_VELOCITY: i64 = -128;
 const ANALOGUE_VELOCITY: i64 = -127;
 pub(super) const GEARING: i64 = -124;
 const MOTION_TASK: i64 = -120;
@@ -23,7 +23,7 @@ const MOTION_TASK: i64 = -120;
 const RAMPS: [u16; 2] = [0x3502, 0x3524];
 
 /// NREF and DREF of each homing method.
-const METHODS: [(i64, i64, i64); 14] = [
+const METHODS: [(i64, i64, i64); 15] = [
     (-3, 7, 0),
     (-2, 6, 0),
     (1, 2, 0),
@@ -37,6 +37,7 @@ const METHODS: [(i64, i64, i64); 14] = [
     (33, 5, 0),
     (34, 5, 1),
     (35, 0, 0),
+    (-1, 5, 2),
     (0, 0, 0),
 ];
 
@@ -58,8 +59,17 @@ enum Jog {
 }
 
 /// The mode that the master has chosen.
-fn chosen<D: Dictionary>(dictionary: &D) -> i64 {
+pub(super) fn chosen<D: Dictionary>(dictionary: &D) -> i64 {
     number(dictionary, 0x6060, 0)
+}
+
+/// The analogue input gives the velocity: its own mode, or CmdSrc 1 in that of a digital velocity.
+fn is_analogue<D: Dictionary>(dictionary: &D) -> bool {
+    match chosen(dictionary) {
+        ANALOGUE_VELOCITY => true,
+        DIGITAL_VELOCITY => number(dictionary, 0x3B43, 1) == 1,
+        _ => false,
+    }
 }
 
 pub(super) fn check<D: Dictionary>(
@@ -132,6 +142,7 @@ impl Modes {
             (0x3660 | 0x365F | 0x3659, 1) => show_units(dictionary),
             (0x3591, 1) => self.jog = Jog::Runs,
             (0x35CF | 0x3637 | 0x3638, 1) => show_range(dictionary),
+            (0x3B43, 1) => {}
             (0x6040, _) if seen.is_enabled && self.jog == Jog::Runs => self.stop(),
             _ => return,
         }
@@ -160,7 +171,7 @@ impl Modes {
             Jog::Stops(_) if !seen.is_moving => self.jog = Jog::None,
             Jog::Stops(_) => {}
         }
-        if chosen(dictionary) == ANALOGUE_VELOCITY {
+        if is_analogue(dictionary) {
             let voltage = number(dictionary, 0x3509, 1);
             let is_dead = voltage.abs() <= number(dictionary, 0x3508, 1);
             let factor = number(dictionary, 0x3626, 1).max(1);
@@ -195,7 +206,7 @@ impl Modes {
         seen: &Seen,
         commands: &mut Commands,
     ) {
-        if chosen(dictionary) == ANALOGUE_VELOCITY {
+        if is_analogue(dictionary) {
             commands.target_velocity = per_minute(self.analogue, units);
         }
         if self.jog == Jog::None || !seen.is_enabled {
@@ -215,9 +226,17 @@ impl Modes {
 }
 
 /// Turns per minute as a velocity.
-fn per_minute(turns: i64, units: &Units) -> SignedSpeed {
+pub(super) fn per_minute(turns: i64, units: &Units) -> SignedSpeed {
     let amount = u32::try_from(turns.unsigned_abs()).unwrap_or(u32::MAX);
     units.motor_speed(amount).signed(turns < 0)
+}
+
+/// EXTLATCH 1: the zero pulse is what both latches keep positions at.
+pub(super) fn latch<D: Dictionary>(dictionary: &D, commands: &mut Commands) {
+    const ZERO_PULSE: u16 = 0x0404;
+    if number(dictionary, 0x3681, 1) == 1 {
+        commands.touch_probe_function |= ZERO_PULSE;
+    }
 }
 
 /// VLIM, VLIMP and VLIMN in a velocity mode, PVMAX, PVMAXP and PVMAXN under position control.

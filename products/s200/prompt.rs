@@ -92,7 +92,10 @@ impl Prompt {
 
     /// What the write of a line has come to.
     pub(super) fn wrote(&mut self, result: Result<(), AbortCode>) {
-        self.is_busy = false;
+        // What others have written is not a line's.
+        if !core::mem::take(&mut self.is_busy) {
+            return;
+        }
         self.give(result.map_or_else(Answer::Refused, |()| Answer::Done));
     }
 

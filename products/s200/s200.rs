@@ -3,11 +3,16 @@
 //!
 //! Where its manual gives no coding or unit, those of its series hold; each place says so.
 
+mod access;
 mod commands;
+mod enable;
 mod gearing;
+mod homing;
 mod modes;
 mod prompt;
+mod registers;
 mod status;
+mod supply;
 mod tasks;
 
 use canopen::Instant;
@@ -21,10 +26,14 @@ use cia402::units::Units;
 use cia402::{Objects, State};
 
 use commands::Orders;
+use enable::Enable;
 use gearing::Gearing;
+use homing::Reference;
 use modes::Modes;
 use prompt::Prompt;
-use status::Status;
+use registers::{Call, Registers};
+use status::{Found, Status};
+use supply::Supply;
 use tasks::{Faulty, Tasks};
 
 /// What the drive was like when it was looked at last.
@@ -109,6 +118,12 @@ pub struct Module {
     modes: Modes,
     gearing: Gearing,
     prompt: Prompt,
+    enable: Enable,
+    supply: Supply,
+    registers: Registers,
+    reference: Reference,
+    /// What stands for the password of PASSCNFG; 0 for none.
+    password: i64,
     status: Status,
     asks: Asks,
     /// Power-on values are loaded, and the stored ones may not be yet.
@@ -123,6 +138,13 @@ impl Module {
             Ok(()) => self.tell(None),
             Err(why) => self.tell(Some(why)),
         }
+        self.asks.commands = true;
+    }
+
+    /// STOP.
+    fn stop(&mut self) {
+        self.tasks.stop();
+        self.modes.stop();
         self.asks.commands = true;
     }
 
@@ -144,6 +166,11 @@ impl Module {
         let rises = self.orders.controlword(word, &self.seen);
         if rises & 1 << 7 != 0 {
             self.tell(None);
+            self.status.clear_warnings();
+            self.asks.reset |= self.status.needs_cold_start();
+        }
+        if self.seen.is_enabled && self.seen.mode == 6 && rises & NEW_SET_POINT != 0 {
+            self.reference.begin(dictionary, &self.seen, &mut self.asks);
         }
         if !self.seen.is_enabled || rises & NEW_SET_POINT == 0 {
             return;
@@ -188,7 +215,11 @@ impl Behaviour for Module {
             return Ok(());
         }
         let value = od::number(entry, value).unwrap_or(0);
+        access::check(self.password, entry, value)?;
         modes::check(dictionary, entry, value)?;
+        supply::check(entry, value)?;
+        homing::check(entry, value)?;
+        registers::check(entry, value)?;
         gearing::check(entry, value)?;
         self.prompt.check(entry, value)?;
         self.orders.check(dictionary, entry, value, &self.seen)
@@ -203,15 +234,16 @@ impl Behaviour for Module {
                 let task = number(dictionary, 0x365B, 1);
                 put_number(dictionary, 0x2080, 0, task.clamp(0, tasks::LAST.into()));
             }
+            (0x36D8, 1) => access::written(dictionary, &mut self.password, self.is_starting),
+            (0x358D, 1) => {
+                self.reference.begin(dictionary, &self.seen, &mut self.asks);
+            }
             (0x3642, 1) => {
                 let task = u16::try_from(number(dictionary, 0x3642, 1)).unwrap_or(0);
                 self.start(dictionary, task, false);
             }
-            (0x35FE, 1) => {
-                self.tasks.stop();
-                self.modes.stop();
-                self.asks.commands = true;
-            }
+            (0x35FE, 1) => self.stop(),
+            (0x3518, 1) => self.status.clear_warnings(),
             (0x2082, 0) => {
                 let [f0, f1, t0, t1] = (number(dictionary, 0x2082, 0) as u32).to_le_bytes();
                 let (from, to) = (u16::from_le_bytes([f0, f1]), u16::from_le_bytes([t0, t1]));
@@ -226,6 +258,14 @@ impl Behaviour for Module {
             (0x4000, 3) => self.tasks.forget(dictionary),
             _ => {}
         }
+        self.enable.written(entry, self.is_starting);
+        match self.registers.written(dictionary, entry) {
+            Some(Call::Start(task)) if !self.is_starting => self.start(dictionary, task, false),
+            Some(Call::Stop) => self.stop(),
+            _ => {}
+        }
+        self.asks.configuration |= supply::written(dictionary, entry);
+        self.asks.configuration |= homing::written(dictionary, entry);
         let seen = self.seen;
         self.orders
             .written(dictionary, entry, &seen, &mut self.asks);
@@ -259,15 +299,27 @@ impl Behaviour for Module {
         if self.is_starting && seen.state != NmtState::Initialisation {
             self.is_starting = false;
             self.asks.configuration |= modes::begin(dictionary);
+            self.enable.begin(dictionary);
         }
+        let elapsed = seen.ticked.checked_duration_since(before.ticked);
+        let elapsed = elapsed.and_then(|elapsed| u32::try_from(elapsed.ticks()).ok());
+        let elapsed = elapsed.unwrap_or(u32::MAX);
         if before.ticked < seen.ticked {
             self.asks.commands |= self.tasks.tick(dictionary, &seen);
             self.asks.commands |= self.modes.tick(dictionary, &seen);
-            let elapsed = seen.ticked.checked_duration_since(before.ticked);
-            let elapsed = elapsed.and_then(|elapsed| u32::try_from(elapsed.ticks()).ok());
-            let elapsed = elapsed.unwrap_or(u32::MAX);
             self.asks.commands |= self.gearing.tick(dictionary, &seen, elapsed);
             self.asks.commands |= self.orders.tick(dictionary, &seen, &mut self.asks);
+            self.asks.commands |= self.enable.tick(dictionary, &seen);
+            self.asks.commands |= self.registers.tick(dictionary, &seen);
+            self.supply.tick(dictionary, &seen, elapsed);
+            let is_homing = self.orders.is_homing();
+            self.reference
+                .tick(dictionary, &seen, is_homing, &mut self.asks);
+            let begins = seen.is_enabled && !before.is_enabled && !seen.is_referenced;
+            if begins && number(dictionary, 0x36D7, 1) == 1 {
+                self.orders.home();
+                self.reference.begin(dictionary, &seen, &mut self.asks);
+            }
             // NREFMT: a task behind homing.
             let is_home = |seen: &Seen| seen.mode == 6 && seen.statusword & 0x1400 == 0x1400;
             let task = u16::try_from(number(dictionary, 0x36D2, 1)).unwrap_or(0);
@@ -277,8 +329,16 @@ impl Behaviour for Module {
         }
         self.modes.show(dictionary, &seen, self.tasks.takes_mode());
         self.gearing.show(dictionary, &seen);
-        let is_jogging = self.modes.is_jogging();
-        self.asks.commands |= self.status.show(dictionary, &seen, is_jogging);
+        let found = Found {
+            warnings: self.supply.warnings | self.registers.warnings,
+            hidden: supply::hidden(dictionary),
+            fault: self.supply.fault,
+            is_jogging: self.modes.is_jogging(),
+            is_hardware_enabled: self.enable.is_there(),
+            registers: self.registers.state,
+            elapsed,
+        };
+        self.asks.commands |= self.status.show(dictionary, &seen, &found);
     }
 
     fn command<D: Dictionary + Objects>(
@@ -288,10 +348,13 @@ impl Behaviour for Module {
         commands: &mut Commands,
     ) {
         let seen = self.seen;
+        self.enable.command(commands);
         self.gearing.command(dictionary, units, &seen, commands);
         self.modes.command(dictionary, units, &seen, commands);
         self.tasks.command(dictionary, units, &seen, commands);
         self.orders.command(&seen, commands);
+        self.registers.command(units, commands);
+        modes::latch(dictionary, commands);
         modes::disable(dictionary, units, commands);
         modes::limit(dictionary, units, &seen, commands);
         commands.fault = self.status.fault();

@@ -363,7 +363,10 @@ fn the_channels_of_the_s200_describe_their_numbers() {
     let mut channels = 0;
     let mut last = 0;
     for row in rows("s200") {
-        if row.sub != 1 || !(0x3500..0x3CD0).contains(&row.index) {
+        // Of what the manual only names there is the value alone.
+        let is_chosen =
+            (0x36F5..0x3755).contains(&row.index) && !(0x3723..0x3725).contains(&row.index);
+        if row.sub != 1 || !(0x3500..0x3CD0).contains(&row.index) || is_chosen {
             continue;
         }
         let name = row.name();

@@ -325,3 +325,24 @@ fn the_s200_tells_its_versions_and_its_stage() {
         [1, 1]
     );
 }
+
+/// 1002h tells of an emergency stop and of homing that has found its reference.
+#[test]
+fn the_status_register_tells_of_stops_and_homing() {
+    let mut bench = enabled("s200", 3);
+    number(&mut bench, 0x6085, 0, 50_000);
+    let bit = |bench: &mut Bench, bit: u32| bench.read(NODE, 0x1002, 0) >> bit & 1;
+    number(&mut bench, 0x60FF, 0, 50_000);
+    bench.run(500);
+    assert_eq!((bit(&mut bench, 19), bit(&mut bench, 23)), (0, 0));
+    command(&mut bench, 0x0B);
+    bench.run(20);
+    assert_eq!(bit(&mut bench, 19), 1, "emergency stop");
+    bench.run(1_000);
+    let mut bench = enabled("s200", 6);
+    bench.write(NODE, 0x6098, 0, &[35]);
+    assert_eq!(bit(&mut bench, 23), 0);
+    command(&mut bench, 0x1F);
+    bench.run(50);
+    assert_eq!(bit(&mut bench, 23), 1, "homing has finished");
+}
