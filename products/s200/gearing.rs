@@ -154,7 +154,7 @@ impl Gearing {
         });
         let offset = units.position(number(dictionary, 0x3724, 1));
         self.offset = i32::try_from(offset).unwrap_or(0);
-        self.speed = units.velocity(seen.velocity).whole();
+        self.speed = seen.speed;
         commands.target_velocity = self.velocity;
         if self.follower.is_at_work() {
             // It has made the ramps itself.

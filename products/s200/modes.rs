@@ -1,5 +1,5 @@
 //! The maker's modes (80h digital velocity, 81h analogue velocity, 88h motion tasks), jog, limits of speed, and parameters that are another way to say
-//! what an object of CiA 402 says (OPMODE, NREF and DREF, PUNIT, VUNIT, ACCUNIT).
+//! what an object of CiA 402 says (OPMODE, NREF and DREF).
 //!
 //! The manual gives no units. Those of its series: VLIM, VLIMP, VLIMN, VOSPD and VSCALE1 are 1/min, VSCALE1 at 10 V; PVMAX, PVMAXP, PVMAXN and VJOG
 //! are velocity units as 6081h; ANDB is mV. A limit of 0 is none.
@@ -86,9 +86,6 @@ pub(super) fn check<D: Dictionary>(
             let has_one_way = [0, 6, 7].contains(&kind);
             has_one_way || METHODS.contains(&(method(kind, value), kind, value))
         }
-        (0x3660, 1) => (0..=9).contains(&value),
-        (0x365F, 1) => [0, 1, 5, 6, 7, 8].contains(&value),
-        (0x3659, 1) => [1, 3, 4, 5].contains(&value),
         _ => true,
     };
     is_known.then_some(()).ok_or(AbortCode::InvalidValue)
@@ -139,7 +136,6 @@ impl Modes {
                 put_number(dictionary, 0x6098, 0, method(kind, direction));
             }
             (0x6098, _) => show_method(dictionary),
-            (0x3660 | 0x365F | 0x3659, 1) => show_units(dictionary),
             (0x3591, 1) => self.jog = Jog::Runs,
             (0x35CF | 0x3637 | 0x3638, 1) => show_range(dictionary),
             (0x3B43, 1) => {}
@@ -300,35 +296,5 @@ pub(super) fn disable<D: Dictionary>(dictionary: &D, units: &Units, commands: &m
     let ramp = u32::try_from(number(dictionary, 0x3523, 1)).unwrap_or(0);
     if ramp != 0 && Command::decode(commands.controlword) == Some(Command::Shutdown) {
         commands.profile_deceleration = units.acceleration(ramp);
-    }
-}
-
-/// PUNIT, VUNIT and ACCUNIT name the units in 6089h to 608Eh.
-fn show_units<D: Dictionary>(dictionary: &mut D) {
-    let position = match number(dictionary, 0x3660, 1) {
-        0 => (0, 0),
-        power => (-power, 1),
-    };
-    let velocity = match number(dictionary, 0x365F, 1) {
-        0 => (0, 0),
-        1 => (0, 0xA4),
-        6 => (0, 0xA7),
-        7 => (-3, 0xA6),
-        8 => (-3, 0xA7),
-        _ => (0, 0xA6),
-    };
-    let acceleration = match number(dictionary, 0x3659, 1) {
-        1 => (0, 0xAE),
-        3 => (-6, 0x55),
-        4 => (-3, 0x55),
-        _ => (0, 0x55),
-    };
-    for (index, (notation, dimension)) in [
-        (0x6089, position),
-        (0x608B, velocity),
-        (0x608D, acceleration),
-    ] {
-        put_number(dictionary, index, 0, notation);
-        put_number(dictionary, index + 1, 0, dimension);
     }
 }

@@ -14,6 +14,7 @@ mod registers;
 mod status;
 mod supply;
 mod tasks;
+mod units;
 
 use canopen::Instant;
 use canopen::cia301::nmt::NmtState;
@@ -45,8 +46,9 @@ struct Seen {
     /// In the user's counts, and in those of the motor.
     position: i32,
     internal: i32,
-    /// Counts/s.
-    velocity: i32,
+    /// Increments/s, and those that are asked for.
+    speed: i32,
+    speed_demand: i32,
     /// 60FDh.
     inputs: u32,
     /// The external encoder.
@@ -70,7 +72,8 @@ impl Default for Seen {
             error_code: 0,
             position: 0,
             internal: 0,
-            velocity: 0,
+            speed: 0,
+            speed_demand: 0,
             inputs: 0,
             counter: 0,
             is_enabled: false,
@@ -86,7 +89,7 @@ impl Default for Seen {
 }
 
 impl Seen {
-    fn of(view: &View<'_>) -> Self {
+    fn of(view: &View<'_>, units: &Units) -> Self {
         let actuals = view.actuals;
         Self {
             statusword: actuals.statusword,
@@ -94,7 +97,8 @@ impl Seen {
             error_code: actuals.error_code,
             position: actuals.position_actual,
             internal: actuals.position_actual_internal,
-            velocity: actuals.velocity_actual,
+            speed: units.velocity(actuals.velocity_actual).whole(),
+            speed_demand: units.velocity(actuals.velocity_demand).whole(),
             inputs: actuals.digital_inputs,
             counter: actuals.counter,
             is_enabled: State::from_statusword(actuals.statusword) == Some(State::OperationEnabled),
@@ -124,6 +128,7 @@ pub struct Module {
     reference: Reference,
     /// What stands for the password of PASSCNFG; 0 for none.
     password: i64,
+    units: Option<Units>,
     status: Status,
     asks: Asks,
     /// Power-on values are loaded, and the stored ones may not be yet.
@@ -219,6 +224,7 @@ impl Behaviour for Module {
         modes::check(dictionary, entry, value)?;
         supply::check(entry, value)?;
         homing::check(entry, value)?;
+        units::check(entry, value, &self.seen)?;
         registers::check(entry, value)?;
         gearing::check(entry, value)?;
         self.prompt.check(entry, value)?;
@@ -266,6 +272,7 @@ impl Behaviour for Module {
         }
         self.asks.configuration |= supply::written(dictionary, entry);
         self.asks.configuration |= homing::written(dictionary, entry);
+        self.asks.configuration |= units::written(dictionary, entry);
         let seen = self.seen;
         self.orders
             .written(dictionary, entry, &seen, &mut self.asks);
@@ -286,7 +293,7 @@ impl Behaviour for Module {
     }
 
     fn look<D: Dictionary + Objects>(&mut self, dictionary: &mut D, view: &View<'_>) {
-        let seen = Seen::of(view);
+        let seen = Seen::of(view, self.units.as_ref().unwrap_or(&Units::NONE));
         if seen.ticked <= self.seen.ticked && !self.is_starting {
             // Nothing is new since the last tick, and a frame on a busy bus has no time to lose.
             (self.seen.is_storing, self.seen.state) = (seen.is_storing, seen.state);
@@ -309,6 +316,7 @@ impl Behaviour for Module {
             self.asks.commands |= self.modes.tick(dictionary, &seen);
             self.asks.commands |= self.gearing.tick(dictionary, &seen, elapsed);
             self.asks.commands |= self.orders.tick(dictionary, &seen, &mut self.asks);
+            units::show(dictionary, &seen);
             self.asks.commands |= self.enable.tick(dictionary, &seen);
             self.asks.commands |= self.registers.tick(dictionary, &seen);
             self.supply.tick(dictionary, &seen, elapsed);
@@ -348,6 +356,7 @@ impl Behaviour for Module {
         commands: &mut Commands,
     ) {
         let seen = self.seen;
+        self.units = Some(*units);
         self.enable.command(commands);
         self.gearing.command(dictionary, units, &seen, commands);
         self.modes.command(dictionary, units, &seen, commands);

@@ -10,8 +10,8 @@ use cia402::behaviour::{number, put_number};
 use cia402::commands::Commands;
 use cia402::statusword::WARNING;
 
-use super::Seen;
 use super::tasks::Faulty;
+use super::{Seen, units};
 
 /// 2000h.
 const FAULTY_TASK: i64 = 1 << 7;
@@ -167,7 +167,7 @@ impl Status {
         }
         // VOSPD is 1/min; a turn has 65536 counts.
         let most = number(dictionary, 0x3627, 1).saturating_mul(65_536) / 60;
-        let is_fast = most != 0 && i64::from(seen.velocity).abs() > most;
+        let is_fast = most != 0 && i64::from(seen.speed).abs() > most;
         self.has_exception |= seen.error_code == EXCEPTION;
         let has_failed_to_home = seen.mode == 6 && seen.statusword & 1 << 13 != 0;
         self.fault = if self.has_exception {
@@ -351,7 +351,7 @@ impl Status {
 
 /// What an output that compares shows, as in its series: mode 1 slower and 2 faster (1/min), 6 beyond a position, 16 a warning.
 pub(super) fn level(mode: i64, trigger: i64, seen: &Seen, warnings: i64) -> Option<bool> {
-    let speed = i64::from(seen.velocity).abs() * 60 / 65_536;
+    let speed = units::per_minute(seen.speed).abs();
     Some(match mode {
         1 => speed < trigger,
         2 => speed > trigger,

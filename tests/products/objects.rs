@@ -177,6 +177,8 @@ const SHOWN: &[(&str, u16, &str)] = &[
     ("nanotec", 0x2009, "the node-ID that is stored"),
     ("s200", 0x6041, "the drive has booted and has its supply"),
     ("tc1", 0x1013, "a clock that counts"),
+    ("s200", 0x608D, "ACCUNIT is what the manual recommends"),
+    ("s200", 0x608E, "ACCUNIT is what the manual recommends"),
     ("s200", 0x6098, "NREF says it too, and was written before"),
 ];
 

@@ -160,6 +160,48 @@ fn punit_vunit_and_accunit_name_the_units() {
     }
 }
 
+/// VUNIT and ACCUNIT are what velocities and accelerations count in; 6094h and 6097h are their factors, V is in 1/min all the same.
+#[test]
+fn vunit_and_accunit_scale_velocities_and_accelerations() {
+    // A turn is 20,000 units of a micrometre. 30 turns a minute, half a turn a second.
+    for (vunit, accunit, velocity, acceleration) in [
+        (0, 3, 10_000, 20_000),
+        (1, 3, 30, 20_000),
+        (7, 4, 10, 20),
+        (8, 4, 600, 20),
+        (1, 1, 30, 6),
+        (0, 1, 10_000, 6),
+    ] {
+        let mut bench = Bench::node("s200", NODE);
+        number(&mut bench, 0x35CA, 1, 20_000);
+        number(&mut bench, 0x3660, 1, 6);
+        number(&mut bench, 0x365F, 1, vunit);
+        number(&mut bench, 0x3659, 1, accunit);
+        bench.write(NODE, 0x6060, 0, &[3]);
+        number(&mut bench, 0x6083, 0, acceleration);
+        bench.enable(NODE);
+        number(&mut bench, 0x60FF, 0, velocity);
+        let name = format!("VUNIT {vunit}, ACCUNIT {accunit}");
+        // The speed is there after half a second, an eighth of a turn.
+        bench.run(500);
+        let gone = position(&mut bench);
+        assert!(gone.abs_diff(2_500) <= 150, "{name}: {gone}");
+        bench.run(500);
+        let from = position(&mut bench);
+        bench.run(1_000);
+        let way = position(&mut bench) - from;
+        assert!(way.abs_diff(10_000) <= 50, "{name}: {way}");
+        let shown = bench.read(NODE, 0x606C, 0);
+        assert!(
+            shown.abs_diff(velocity) <= velocity / 100 + 1,
+            "{name}: {shown}"
+        );
+        assert!(bench.read(NODE, 0x3618, 1).abs_diff(30) <= 1, "{name}: V");
+        let refused = bench.sdo(NODE, [0x23, 0x5F, 0x36, 1, 0, 0, 0, 0]);
+        assert_eq!(refused[4..], [0x22, 0, 0, 8], "not with power");
+    }
+}
+
 /// PGEARI units in PGEARO turns; 6063h has 2^PRBASE increments a turn, PRD twenty bits of one.
 #[test]
 fn pgeari_pgearo_and_prbase_are_the_resolution() {

@@ -253,3 +253,28 @@ impl<D: Dictionary, A: Application<D>> sdo::Objects for Objects<'_, D, A> {
         self.application.end_write(self.dictionary, entry, length)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::od::DataType;
+
+    #[test]
+    fn the_clock_and_the_operating_system_are_the_applications() {
+        for (index, is_ours) in [
+            (0x1000, true),
+            (0x1012, true),
+            (0x1013, false),
+            (0x1014, true),
+            (0x1022, true),
+            (0x1023, false),
+            (0x1026, false),
+            (0x1027, true),
+            (0x1FFF, true),
+            (0x2000, false),
+        ] {
+            let entry = Entry::new((index, 0), DataType::Unsigned8, 0, Entry::NO_LIMITS, 0);
+            assert_eq!(is_communication_object(&entry), is_ours, "{index:04X}h");
+        }
+    }
+}

@@ -274,6 +274,9 @@ fn the_application_has_what_the_file_gives_to_it() {
             [said]
         );
     }
+    // What belongs to the operating system of the device is the application's below 2000h too.
+    let prompt = parse("types.eds", &types.replace("201A", "1026")).unwrap();
+    assert!(prompt.entry(0x1026, 0).unwrap().is_with_application);
     let heartbeat = types.replacen("[1001]\n", "[1001]\n;Memory=application\n", 1);
     let report = Report::new("types.eds", &heartbeat);
     assert!(
