@@ -17,6 +17,7 @@ use cia402::gearing::{Follower, Ramps, Ratio, Scheme};
 use cia402::units::Units;
 
 use super::Seen;
+use super::limits::keep_same;
 use super::modes::GEARING;
 
 /// Counts of a turn of the motor.
@@ -59,17 +60,8 @@ pub(super) fn check(entry: &Entry, value: i64) -> Result<(), AbortCode> {
 }
 
 pub(super) fn written<D: Dictionary>(dictionary: &mut D, entry: &Entry) {
-    let own = (entry.index, entry.sub);
-    for [one, other] in PAIRS {
-        let (index, sub) = match own {
-            own if own == one => other,
-            own if own == other => one,
-            _ => continue,
-        };
-        let value = number(dictionary, own.0, own.1);
-        put_number(dictionary, index, sub, value);
-    }
-    if own == (0x609A, 0) {
+    keep_same(dictionary, entry, &PAIRS);
+    if entry.index == 0x609A {
         let ramp = number(dictionary, 0x609A, 0);
         for index in [0x3502, 0x3524] {
             put_number(dictionary, index, 1, ramp);

@@ -8,6 +8,7 @@ mod commands;
 mod enable;
 mod gearing;
 mod homing;
+mod limits;
 mod modes;
 mod prompt;
 mod registers;
@@ -224,6 +225,7 @@ impl Behaviour for Module {
         modes::check(dictionary, entry, value)?;
         supply::check(entry, value)?;
         homing::check(entry, value)?;
+        limits::check(entry, value)?;
         units::check(entry, value, &self.seen)?;
         registers::check(entry, value)?;
         gearing::check(entry, value)?;
@@ -272,6 +274,7 @@ impl Behaviour for Module {
         }
         self.asks.configuration |= supply::written(dictionary, entry);
         self.asks.configuration |= homing::written(dictionary, entry);
+        self.asks.configuration |= limits::written(dictionary, entry);
         self.asks.configuration |= units::written(dictionary, entry);
         let seen = self.seen;
         self.orders

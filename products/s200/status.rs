@@ -11,15 +11,12 @@ use cia402::commands::Commands;
 use cia402::statusword::WARNING;
 
 use super::tasks::Faulty;
-use super::{Seen, units};
+use super::{Seen, limits, units};
 
 /// 2000h.
 const FAULTY_TASK: i64 = 1 << 7;
 const NO_REFERENCE: i64 = 1 << 8;
 const WATCHDOG: i64 = 1 << 3;
-/// n06 and n07.
-const BELOW: i64 = 1 << 5;
-const ABOVE: i64 = 1 << 6;
 
 /// F24, F08, n04.
 const WARNING_IS_FAULT: u16 = 0xFF06;
@@ -136,7 +133,7 @@ impl Status {
         self.hidden = found.hidden;
         let mut warnings = own
             | found.warnings
-            | limits(dictionary, seen)
+            | limits::warnings(dictionary, seen)
             | match self.faulty {
                 Some(Faulty::Task) => FAULTY_TASK,
                 Some(Faulty::Reference) => NO_REFERENCE,
@@ -359,18 +356,6 @@ pub(super) fn level(mode: i64, trigger: i64, seen: &Seen, warnings: i64) -> Opti
         16 => warnings != 0,
         _ => return None,
     })
-}
-
-/// n06 and n07: at or beyond SWE1 and SWE2, unless both are 0.
-fn limits<D: Dictionary>(dictionary: &D, seen: &Seen) -> i64 {
-    let [low, high] = [0x3604, 0x3606].map(|index| number(dictionary, index, 1));
-    let position = i64::from(seen.position);
-    match (low, high) {
-        (low, high) if low >= high => 0,
-        (low, _) if position <= low => BELOW,
-        (_, high) if position >= high => ABOVE,
-        _ => 0,
-    }
 }
 
 /// An emergency ramp: quick stop, or the reaction to a fault.

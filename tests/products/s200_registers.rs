@@ -3,7 +3,7 @@
 use sim::plant::{Index, Switch, Track};
 
 use crate::bench::Bench;
-use crate::steer::{NODE, begin, command, enabled, enabled_on, number, on, way};
+use crate::steer::{NODE, begin, command, enabled, enabled_on, number, on, position, way};
 
 /// Counts in a second of so many turns a minute.
 fn per_minute(turns: i32) -> i32 {
@@ -186,5 +186,31 @@ fn drvcnfg2_fits_the_safety_relay() {
         number(&mut bench, 0x36E4, 1, bit);
         bench.run(5);
         assert_eq!(bench.read(NODE, 0x1002, 0) >> 13 & 1, bit);
+    }
+}
+
+/// SWCNFG says which of SWE1 and SWE2 count; 607Dh is the same two numbers.
+#[test]
+fn swcnfg_chooses_the_software_limits_that_count() {
+    for (which, low, high) in [
+        (3, -9_000, 9_000),
+        (1, -9_000, 20_000),
+        (2, -20_000, 9_000),
+        (0, -20_000, 20_000),
+    ] {
+        let mut bench = enabled("s200", 1);
+        number(&mut bench, 0x3604, 1, -9_000_i32 as u32);
+        number(&mut bench, 0x607D, 2, 9_000);
+        assert_eq!(bench.read(NODE, 0x607D, 1) as i32, -9_000);
+        assert_eq!(bench.read(NODE, 0x3606, 1), 9_000);
+        number(&mut bench, 0x3600, 1, which);
+        for (target, end, warning) in [(20_000, high, 1 << 6), (-20_000, low, 1 << 5)] {
+            begin(&mut bench, target, 100_000, 1_000_000);
+            bench.run(1_500);
+            assert_eq!(position(&mut bench), end, "SWCNFG {which}");
+            let is_at_limit = end != target;
+            let expected = if is_at_limit { warning } else { 0 };
+            assert_eq!(bench.read(NODE, 0x2000, 0), expected, "SWCNFG {which}");
+        }
     }
 }
