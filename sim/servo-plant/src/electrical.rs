@@ -76,13 +76,23 @@ pub(crate) struct Work {
 }
 
 /// The currents of the windings.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Winding {
     /// In d and q, in A.
     pub(crate) current: [f64; 2],
+    /// One over the inductances of both, in 1/H.
+    per_henry: [f64; 2],
 }
 
 impl Winding {
+    /// Without a current.
+    pub(crate) fn new(motor: &MotorData) -> Self {
+        Self {
+            current: [0.0; 2],
+            per_henry: [1.0 / motor.inductance_d, 1.0 / motor.inductance_q],
+        }
+    }
+
     /// A voltage beside the stator acts for a time, while the rotor turns on from where it looks at an electrical speed.
     pub(crate) fn turn(
         &mut self,
@@ -94,7 +104,7 @@ impl Winding {
     ) -> Work {
         let [d, q] = facing.to_rotor(voltage);
         let start = [self.current[0], self.current[1], d, q];
-        let [middle, end] = solve(motor, start, speed, time);
+        let [middle, end] = self.solve(motor, start, speed, time);
         self.current = [end[0], end[1]];
         // Simpson's rule over the powers at start, middle and end.
         let over = |power: fn([f64; 4]) -> f64| {
@@ -105,6 +115,49 @@ impl Winding {
             input: over(|[id, iq, vd, vq]| id * vd + iq * vq),
             copper: over(|[id, iq, ..]| id * id + iq * iq) * motor.resistance,
         }
+    }
+
+    /// The states at the middle and at the end of a time: currents and voltages in d and q.
+    fn solve(&self, motor: &MotorData, state: [f64; 4], speed: f64, time: f64) -> [[f64; 4]; 2] {
+        let MotorData {
+            resistance,
+            inductance_d: ld,
+            inductance_q: lq,
+            flux,
+            ..
+        } = *motor;
+        let [per_d, per_q] = self.per_henry;
+        // The greatest of what the matrix can do in the time: the series is for times in which that is below one.
+        let rate = (resistance + speed.abs() * ld.max(lq) + 1.0) * per_d.max(per_q);
+        if rate * time > 1.0 && time > SHORTEST {
+            let [_, middle] = self.solve(motor, state, speed, time / 2.0);
+            let [_, end] = self.solve(motor, middle, speed, time / 2.0);
+            return [middle, end];
+        }
+        let slope = |[id, iq, vd, vq]: [f64; 4], magnet: f64| {
+            [
+                (vd - resistance * id + speed * lq * iq) * per_d,
+                (vq - resistance * iq - speed * (ld * id + magnet)) * per_q,
+                speed * vq,
+                -speed * vd,
+            ]
+        };
+        let (mut middle, mut end, mut term) = (state, state, state);
+        let (mut magnet, mut half) = (flux, 1.0);
+        for share in SHARES {
+            let factor = time * share;
+            term = slope(term, magnet).map(|value| value * factor);
+            magnet = 0.0;
+            // Half the time is a power of a half in each term.
+            half *= 0.5;
+            let before = end;
+            middle = std::array::from_fn(|at| middle[at] + term[at] * half);
+            end = std::array::from_fn(|at| end[at] + term[at]);
+            if end == before {
+                break;
+            }
+        }
+        [middle, end]
     }
 
     /// The currents of the phases with the rotor looking there.
@@ -119,49 +172,6 @@ impl Winding {
         let along = alpha * x + beta * y;
         self.current = facing.to_rotor([alpha - along * x, beta - along * y]);
     }
-}
-
-/// The states at the middle and at the end of a time: currents and voltages in d and q.
-fn solve(motor: &MotorData, state: [f64; 4], speed: f64, time: f64) -> [[f64; 4]; 2] {
-    let MotorData {
-        resistance,
-        inductance_d: ld,
-        inductance_q: lq,
-        flux,
-        ..
-    } = *motor;
-    // The greatest of what the matrix can do in the time: the series is for times in which that is below one.
-    let rate = (resistance + speed.abs() * ld.max(lq) + 1.0) / ld.min(lq);
-    if rate * time > 1.0 && time > SHORTEST {
-        let [_, middle] = solve(motor, state, speed, time / 2.0);
-        let [_, end] = solve(motor, middle, speed, time / 2.0);
-        return [middle, end];
-    }
-    let (per_d, per_q) = (1.0 / ld, 1.0 / lq);
-    let slope = |[id, iq, vd, vq]: [f64; 4], magnet: f64| {
-        [
-            (vd - resistance * id + speed * lq * iq) * per_d,
-            (vq - resistance * iq - speed * (ld * id + magnet)) * per_q,
-            speed * vq,
-            -speed * vd,
-        ]
-    };
-    let (mut middle, mut end, mut term) = (state, state, state);
-    let (mut magnet, mut half) = (flux, 1.0);
-    for share in SHARES {
-        let factor = time * share;
-        term = slope(term, magnet).map(|value| value * factor);
-        magnet = 0.0;
-        // Half the time is a power of a half in each term.
-        half *= 0.5;
-        let before = end;
-        middle = std::array::from_fn(|at| middle[at] + term[at] * half);
-        end = std::array::from_fn(|at| end[at] + term[at]);
-        if end == before {
-            break;
-        }
-    }
-    [middle, end]
 }
 
 /// Below this nothing is divided any more, in s: data that are no motor end too.

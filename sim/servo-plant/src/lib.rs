@@ -41,6 +41,9 @@ use supply::Supply;
 /// A step, in seconds: 200 kHz.
 pub const STEP: f64 = 5e-6;
 
+/// Steps in a second.
+const PER_STEP: f64 = 1.0 / STEP;
+
 /// See the module.
 #[derive(Clone, Debug)]
 pub struct Plant {
@@ -93,7 +96,7 @@ impl Plant {
     /// At rest at angle 0, no current, the bus at the voltage of its supply, the power stage off.
     pub fn new(data: PlantData, seed: u64) -> Self {
         Self {
-            winding: Winding::default(),
+            winding: Winding::new(&data.motor),
             bodies: Bodies::new(&data),
             mechanics: Mechanics::default(),
             pose: Pose::at(&data.motor, 0.0),
@@ -148,15 +151,13 @@ impl Plant {
         }
         self.energy.electrical += work.input;
         self.energy.copper += work.copper;
-        let mut drawn = work.input / STEP;
+        let mut drawn = work.input * PER_STEP;
         if let Some(short) = &mut self.short {
             let currents = self.winding.phases(&self.data.motor, end);
             let voltage = bridge.of_wire(self.data.motor.phases, short.phase, currents);
             drawn += short.go_on(voltage, STEP) / STEP;
         }
-        self.energy.supplied +=
-            self.supply
-                .go_on(&self.data.supply, drawn, self.chopper, self.is_fed);
+        self.energy.supplied += self.supply.go_on(drawn, self.chopper, self.is_fed);
 
         let after = self.torque();
         self.mechanics

@@ -14,7 +14,7 @@ struct Body {
     coulomb: f64,
     /// What viscous friction leaves of a velocity in half a step, by the exact factor.
     fade: f64,
-    /// How long a torque would have to act without it for what it does in half a step, in s.
+    /// The velocity that a torque makes in half a step, in rad/s of 1 N·m.
     reach: f64,
 }
 
@@ -34,14 +34,14 @@ impl Body {
             inertia,
             coulomb,
             fade,
-            reach,
+            reach: reach / inertia,
         }
     }
 
     /// A torque acts for half a step, and a brake with the friction. Gives the new velocity, and the heat of both.
     fn kick(self, velocity: f64, torque: f64, brake: f64) -> (f64, f64) {
-        let drag = (self.coulomb + brake) / self.inertia * self.reach;
-        let free = velocity * self.fade + torque / self.inertia * self.reach;
+        let drag = (self.coulomb + brake) * self.reach;
+        let free = velocity * self.fade + torque * self.reach;
         let after = if free.abs() <= drag {
             0.0
         } else {

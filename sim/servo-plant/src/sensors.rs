@@ -1,9 +1,12 @@
 //! What the loops see: encoder, Hall sensors, absolute angle, currents and the voltage of the bus.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_1_PI, TAU};
 
 use crate::data::SensorData;
 use crate::noise::Noise;
+
+/// Turns of a rad.
+const TURNS_OF_RADIAN: f64 = 0.5 * FRAC_1_PI;
 
 /// What is wrong with the sensors.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -113,7 +116,7 @@ impl Sensors {
 }
 
 fn turns_of_index(data: &SensorData, angle: f64) -> f64 {
-    libm::floor((angle - data.index) / TAU)
+    libm::floor((angle - data.index) * TURNS_OF_RADIAN)
 }
 
 fn count(data: &SensorData, angle: f64) -> i64 {

@@ -10,6 +10,12 @@ pub(crate) struct Supply {
     pub(crate) voltage: f64,
     /// What acts on it in a step, without and with the supply, each without and with the chopper.
     ways: [[Way; 2]; 2],
+    /// Of the supply without load, in V.
+    open: f64,
+    /// What the supply drives into a short, in A.
+    most: f64,
+    /// What an ampere takes from the bus in a step, in V.
+    taken: f64,
 }
 
 /// What acts on the bus in a step.
@@ -17,7 +23,7 @@ pub(crate) struct Supply {
 struct Way {
     /// In 1/Ω.
     conductance: f64,
-    /// How long a slope of the beginning would have to last for what the step does, in s.
+    /// What an ampere of the beginning makes of the voltage in the step, in V.
     reach: f64,
 }
 
@@ -36,7 +42,10 @@ impl Way {
         } else {
             (1.0 - libm::exp(-rate * STEP)) / rate
         };
-        Self { conductance, reach }
+        Self {
+            conductance,
+            reach: reach / data.capacitance,
+        }
     }
 }
 
@@ -46,32 +55,28 @@ impl Supply {
             voltage: data.voltage,
             ways: [false, true]
                 .map(|feeds| [false, true].map(|chops| Way::new(data, feeds, chops))),
+            open: data.voltage,
+            most: data.voltage / data.resistance,
+            taken: STEP / data.capacitance,
         }
     }
 
     /// The stage draws a power for a step, or gives it back. Gives the energy that the supply has put in, in J.
     ///
     /// The current of the stage is that power at the voltage of the start; supply and chopper are solved exactly.
-    pub(crate) fn go_on(
-        &mut self,
-        data: &SupplyData,
-        power: f64,
-        chops: bool,
-        is_fed: bool,
-    ) -> f64 {
+    pub(crate) fn go_on(&mut self, power: f64, chops: bool, is_fed: bool) -> f64 {
         let before = self.voltage;
         let drawn = power / before.max(1.0);
-        let feeds = is_fed && before - drawn * STEP / data.capacitance <= data.voltage;
+        let feeds = is_fed && before - drawn * self.taken <= self.open;
         let Way { conductance, reach } = self.ways[usize::from(feeds)][usize::from(chops)];
         let mut current = -drawn;
         if feeds {
-            current += data.voltage / data.resistance;
+            current += self.most;
         }
-        let slope = (current - conductance * before) / data.capacitance;
-        self.voltage = (before + slope * reach).max(0.0);
+        self.voltage = (before + (current - conductance * before) * reach).max(0.0);
         if feeds {
             let middle = f64::midpoint(before, self.voltage);
-            ((data.voltage - middle) / data.resistance * middle * STEP).max(0.0)
+            ((self.most - middle * self.ways[1][0].conductance) * middle * STEP).max(0.0)
         } else {
             0.0
         }
