@@ -1,12 +1,33 @@
 //! The compact drive (`eds/compact.eds`): what it has works as in the generic one, and what it has not is refused.
 
 use canopen::Frame;
+use master::bus::Station;
 use sim::drive::{Setup, VirtualDrive};
 use sim::plant::{Axis, Switch, Track};
-use tests::drive::{CompactBench, OPERATION_ENABLED, SWITCH_ON_DISABLED, TARGET_REACHED};
+use tests::drive::{
+    CompactBench, DriveBench, OPERATION_ENABLED, SWITCH_ON_DISABLED, ServoBench, TARGET_REACHED,
+};
+use tests::line::Line;
 
 /// Statusword bit 12: homing attained.
 const ATTAINED: u16 = 1 << 12;
+
+/// A master chooses the data sheet of a device by its product code, and shows a person its name.
+#[test]
+fn each_drive_says_what_it_is() {
+    let generic = DriveBench::booted(4);
+    let servo = ServoBench::booted(4);
+    let compact = CompactBench::booted(4);
+    says(generic, "Axis402 CiA 402 drive", 0x402);
+    says(servo, "Axis402 servo drive", 0x403);
+    says(compact, "Axis402 compact", 0x404);
+}
+
+#[track_caller]
+fn says<S: Station>(mut drive: Line<S>, name: &str, product_code: u32) {
+    assert_eq!(drive.try_read(0x1008, 0).as_deref(), Ok(name.as_bytes()));
+    assert_eq!(drive.read_u32(0x1018, 2), product_code);
+}
 
 #[test]
 fn the_compact_drive_is_numbered_by_lss() {
@@ -18,7 +39,7 @@ fn the_compact_drive_is_numbered_by_lss() {
     drive.expect("7E4: 11 00");
     drive.send("7E5: 04 00");
     drive.expect("704 [1] 00");
-    assert_eq!(drive.read_u32(0x1018, 2), 0x403);
+    assert_eq!(drive.read_u32(0x1018, 2), 0x404);
     assert_eq!(drive.read_u32(0x1018, 4), 7);
 }
 

@@ -110,7 +110,7 @@ def test_a_measurement_is_stopped_by_the_space_bar_and_by_a_window_that_watches(
     stop_a_measurement(window, stop_by_hand)
     stop_a_measurement(window, stop_by_the_other)
     # A motor that has power already is not measured: somebody may be moving it.
-    open_page(window, "drive", "Axis402 CiA 402 drive · node 4")
+    open_page(window, "drive", "Axis402 servo drive · node 4")
     expect(window.locator("#state")).to_have_text(re.compile("Ready to switch on|Switch on disabled"))
     enable(window)
     open_page(window, "tuning", "Tuning")
@@ -128,7 +128,7 @@ PRESSABLE = """() => {
 
 def test_nothing_else_is_ordered_while_the_motor_is_measured(servo):
     _, window = servo()
-    open_page(window, "drive", "Axis402 CiA 402 drive · node 4")
+    open_page(window, "drive", "Axis402 servo drive · node 4")
     for _ in range(ATTEMPTS):
         window.evaluate("import('/connection.js').then((panel) => { panel.order('tune', { motor: true }).catch(() => {}); })")
         try:
