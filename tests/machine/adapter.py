@@ -9,7 +9,7 @@ CLOSED, BIT_RATE, OPEN, WRONG = "C", "S", "O", b"\a"
 
 
 class Adapter(Bench):
-    """The bench of a chip whose master has nothing but a serial line: `serial` is what pyserial would open."""
+    """The bench of a chip whose master has nothing but a serial line: `serial` is what pyserial would open, or another program reads and writes."""
 
     def __init__(self, chip):
         super().__init__(chip)
@@ -27,7 +27,7 @@ class Adapter(Bench):
             return
         letter, identifier = ("t", f"{frame.id:03X}") if not frame.extended else ("T", f"{frame.id:08X}")
         self.serial.to_read += f"{letter}{identifier}{len(frame.data)}{frame.data.hex().upper()}\r".encode()
-        while self.serial.in_waiting:
+        while self.slcan and self.serial.in_waiting:
             # An answer to a command is a line, too, and no message.
             if (message := self.slcan.recv(0)) is not None:
                 self.network.notify(message.arbitration_id, message.data, frame.time / HZ)

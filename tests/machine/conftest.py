@@ -1,7 +1,8 @@
 """What the tests share: the image of the board, the chip that runs it, and a master on its bus.
 
 `--image` names the ELF file of the board `stm32f405`, `--servo-image` that of `odrive36`, `--stepper-image` that of
-`stepper405`, `--plant` the program that plays its motor; `cargo xtask board-test` builds them."""
+`stepper405`, `--plant` the program that plays its motor,
+`--tuner` the one that measures a motor; `cargo xtask board-test` builds them."""
 
 import pathlib
 
@@ -25,6 +26,7 @@ def pytest_addoption(parser):
     parser.addoption("--servo-image", default=ROOT / "target" / "xtask" / "axis402-odrive36.elf", help="the image of the servo board")
     parser.addoption("--stepper-image", default=ROOT / "target" / "xtask" / "axis402-stepper405.elf", help="the image of the board with two full bridges")
     parser.addoption("--plant", default=ROOT / "target" / "debug" / "examples" / "stepped_axis", help="the plant of the virtual drive on its wires")
+    parser.addoption("--tuner", default=ROOT / "target" / "debug" / "examples" / "stepped_tune", help="`axis402 tune` in virtual time")
 
 
 @pytest.fixture(scope="session")

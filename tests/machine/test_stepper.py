@@ -2,12 +2,14 @@
 
 import pytest
 from bridge_driver import BridgeDriver
+from conftest import NODE_ID
 from drive import FAULT, FAULT_RESET, OPERATION_ENABLED
 from motor import Stepper
 from servo_bench import PERIOD, PROFILE_POSITION, Kind, commanded, current_interrupts, enable, hold, move, starting
 from stm32f405 import HZ
 from stm32f405.image import Image
 from test_end import ENDS
+from tuner import tune
 
 #: The rated torque of the motor, in mN·m, and what it holds at that current.
 RATED = 311
@@ -131,6 +133,27 @@ def test_a_load_beyond_the_holding_torque_costs_no_step(found):
     stepper.bench.milliseconds(100)
     assert stepper[0x6064] == motor.count == target
     assert not stepper[0x6041] & INTERNAL_LIMIT
+
+
+#: What the loops go by, and their gains: 0 is that of the board.
+SET = [(0x20C2, sub) for sub in range(1, 6)] + [(0x60F9, 1), (0x60F9, 2), (0x60FB, 1)]
+
+
+def test_axis402_tune_measures_the_motor_and_writes_nothing(starts, booted_stepper, pytestconfig):
+    bench = starts.like(booted_stepper)
+    found = tune(bench, pytestconfig.getoption("--tuner"), NODE_ID)
+    motor = bench.chip.motor
+    assert (found["pole_pairs"], found["direction"], found["is_written"]) == (motor.pole_pairs, 1, False)
+    # Of the measurements the bounds of docs/servo.md.
+    for name, known, bound in [
+        ("resistance", motor.resistance, 0.04), ("inductance_along", motor.inductance, 0.1), ("inductance_across", motor.inductance, 0.1),
+        ("flux", motor.flux, 0.04), ("inertia", motor.inertia, 0.2), ("friction", motor.friction, 0.15 + 0.03 * HOLDING / motor.friction),
+    ]:  # fmt: skip
+        assert abs(found[name] / known - 1) < bound, (name, found[name])
+    assert motor.most < 1.25 * 1.7
+    stepper = commanded(bench)
+    stepper.until(lambda: not has_current(bench.chip), "without power", 50)
+    assert [stepper.sdo[index][sub].raw for index, sub in SET] == [0] * len(SET)
 
 
 @pytest.mark.parametrize("end", ENDS, ids=lambda end: end.__name__)

@@ -10,8 +10,8 @@ use anyhow::{Context, Result};
 use crate::{firmware, place};
 
 /// The virtual drive, the one in virtual time, a master's command line, the panel, the generator's, this program, a device that is
-/// no drive, the plant of the servo, and the plant of a step motor on its wires.
-const PROGRAMS: [&str; 9] = [
+/// no drive, the plant of the servo, the plant of a step motor on its wires, and the measurement of a motor in virtual time.
+const PROGRAMS: [&str; 10] = [
     "sim",
     "stepped_drive",
     "axis402",
@@ -21,6 +21,7 @@ const PROGRAMS: [&str; 9] = [
     "examples/io_device",
     "examples/plant_trace",
     "examples/stepped_axis",
+    "examples/stepped_tune",
 ];
 
 /// The command that builds them.

@@ -297,6 +297,7 @@ pub fn run(step: Step, ready: &Ready) -> Result<Run> {
             command.arg("--servo-image").arg(Image::Odrive.path());
             command.arg("--stepper-image").arg(Image::Stepper.path());
             command.arg("--plant").arg(place::kept("stepped_axis"));
+            command.arg("--tuner").arg(place::kept("stepped_tune"));
             // Each is kept before the next one is built: they have the same name.
             for image in [Image::Odrive, Image::Stepper] {
                 let built = checks([image.build_command()?])?;
@@ -368,7 +369,7 @@ fn played(step: Step, builds: impl IntoIterator<Item = Command>, command: Comman
     Ok(Run::Built(Played { step, command }))
 }
 
-fn lints() -> [Command; 5] {
+fn lints() -> Vec<Command> {
     let strict = |mut command: Command| {
         command.args(["--", "-D", "warnings"]);
         command
@@ -385,14 +386,9 @@ fn lints() -> [Command; 5] {
         command
     };
     let host = cargo(&["clippy", "--workspace", "--exclude", "app", "--all-targets"]);
-    [
-        host,
-        app(),
-        with("odrive36"),
-        with("stepper405"),
-        with("qemu"),
-    ]
-    .map(strict)
+    let boards = ["odrive36", "stepper405", "qemu"].map(with);
+    let all = [host, app()].into_iter().chain(boards);
+    all.map(strict).collect()
 }
 
 fn documentation() -> [Command; 1] {
