@@ -139,6 +139,8 @@ def test_a_load_beyond_the_holding_torque_costs_no_step(found):
 SET = [(0x20C2, sub) for sub in range(1, 6)] + [(0x60F9, 1), (0x60F9, 2), (0x60FB, 1)]
 
 
+# Three and a half seconds of the motor: half a minute of a processor that does nothing else.
+@pytest.mark.timeout(900)
 def test_axis402_tune_measures_the_motor_and_writes_nothing(starts, booted_stepper, pytestconfig):
     bench = starts.like(booted_stepper)
     found = tune(bench, pytestconfig.getoption("--tuner"), NODE_ID)
