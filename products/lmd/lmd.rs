@@ -1,11 +1,12 @@
 //! What the LMD does that is no data: the inhibit input, filters of inputs, limits, capture or trip, the targets of its set-points, an encoder that is
-//! followed, reactions to errors, supplies and the temperature of its board.
+//! followed, reactions to errors, supplies and the temperature of its board, its closed loop.
 //!
 //! What its manual leaves open: "override" is a command that counts while the inhibit input is active, "overwrite" one that takes the place of the
 //! controlword; a trip is a pulse of one control tick at output 3, when the demand passes the point in either direction.
 
 mod errors;
 mod following;
+mod hmt;
 mod inhibit;
 mod limits;
 mod trip;
@@ -16,11 +17,13 @@ use canopen::od::{Dictionary, Entry};
 use cia402::behaviour::{Asks, Behaviour, View, number, put_number};
 use cia402::commands::Commands;
 use cia402::controlword::{CHANGE_IMMEDIATELY, NEW_SET_POINT, RELATIVE};
+use cia402::loops::{self, Request, ServoSettings};
 use cia402::units::Units;
 use cia402::{Objects, State};
 
 use errors::{FOLLOWING_ERROR, HOT, Plausibility, Told, WARM};
 use following::Following;
+use hmt::Hmt;
 use inhibit::Inhibit;
 use limits::Limits;
 use trip::Trip;
@@ -55,6 +58,7 @@ const IS_BEHIND: u16 = 1 << 13;
 /// The module.
 #[derive(Debug, Default)]
 pub struct Module {
+    hmt: Hmt,
     inhibit: Inhibit,
     trip: Trip,
     limits: Limits,
@@ -126,6 +130,7 @@ impl Module {
         }
         self.limits.set_up(dictionary);
         self.following.set_up(dictionary);
+        self.hmt.limit(dictionary);
         self.asks.configuration = true;
     }
 
@@ -215,6 +220,17 @@ impl Module {
             let target = number(dictionary, 0x2212, 0);
             put_number(dictionary, 0x2211, 0, target);
         }
+        self.hmt.tick(
+            dictionary,
+            (self.is_enabled, actuals.is_moving),
+            (
+                actuals.velocity_actual,
+                actuals.position_actual,
+                actuals.position_demand,
+            ),
+        );
+        self.hmt.show(dictionary);
+        self.is_disabled |= self.is_enabled && self.hmt.bars(dictionary);
         let captures = number(dictionary, CAPTURES, 0);
         if captures != core::mem::replace(&mut self.captures, captures) {
             put_number(dictionary, 0x2033, 2, 1);
@@ -275,7 +291,10 @@ impl Behaviour for Module {
         entry: &Entry,
         value: &[u8],
     ) -> Result<(), AbortCode> {
-        let _ = (dictionary, value);
+        let _ = dictionary;
+        if entry.index == 0x2710 && value == [1, 0] {
+            return Err(AbortCode::InvalidValue);
+        }
         // Bits 14 to 12 are 0.
         let is_known = entry.index != 0x2038
             || entry.sub != 1
@@ -303,6 +322,8 @@ impl Behaviour for Module {
                 | 0x607C | 0x6098,
                 _,
             ) => self.set_up(dictionary),
+            (0x2704 | 0x6060, _) => self.asks.configuration |= self.hmt.limit(dictionary),
+            (0x2740, _) => self.hmt.clear(dictionary),
             // All ones clear it.
             (0x2033, 2) => put_number(dictionary, 0x2033, 2, 0),
             (0x2031 | 0x2038, _) => {
@@ -343,6 +364,16 @@ impl Behaviour for Module {
         }
         commands.fault = self.broken.or(self.fault);
         self.trip.command(commands);
+    }
+
+    fn loops<D: Dictionary + Objects>(
+        &mut self,
+        dictionary: &mut D,
+        told: &loops::Told,
+        settings: &mut ServoSettings,
+    ) -> Option<Request> {
+        self.hmt.loops(dictionary, told, settings);
+        None
     }
 
     fn asks(&mut self) -> Asks {

@@ -1,6 +1,7 @@
 //! What the Nanotec does that is no data: where its home switch is and which level it has by the method, its detector of blocks and its current for
-//! them, an abrupt quick stop in interpolated position, the swing-out time, modes that wait for the brake, what outputs show, and inputs.
+//! them, an abrupt quick stop in interpolated position, the swing-out time, modes that wait for the brake, what outputs show, inputs, and its closed loop.
 
+mod closed_loop;
 mod inputs;
 
 use canopen::Instant;
@@ -8,9 +9,11 @@ use canopen::cia301::sdo::AbortCode;
 use canopen::od::{self, Dictionary, Entry};
 use cia402::behaviour::{Asks, Behaviour, View, number, put_number};
 use cia402::commands::Commands;
+use cia402::loops::{Request, ServoSettings, Told};
 use cia402::units::Units;
 use cia402::{Objects, State};
 
+use closed_loop::{ClosedLoop, WINDOW};
 use inputs::{Debounce, Trigger};
 
 /// Objects of our own, which parameters of the drive are read from.
@@ -35,14 +38,15 @@ const SHOWN: [(u16, i64); 3] = [(0x5F05, 6), (0x5F06, 4), (0x5F07, 1)];
 
 /// 6041h.
 const REACHED: i64 = 1 << 10;
-const ATTAINED: u16 = 1 << 12;
-const HOMING_ERROR: u16 = 1 << 13;
+const ATTAINED: i64 = 1 << 12;
+const HOMING_ERROR: i64 = 1 << 13;
 
 const HOMING: i8 = 6;
 
 /// The module.
 #[derive(Debug)]
 pub struct Module {
+    closed_loop: ClosedLoop,
     asks: Asks,
     is_enabled: bool,
     /// Since when operation is enabled, and since when the motor stands.
@@ -53,8 +57,8 @@ pub struct Module {
     mode: i8,
     /// The brake is being waited for.
     waits: bool,
-    /// Bit 10 waits for the swing-out time.
-    swings: bool,
+    /// Bits of the statusword that wait for the swing-out time.
+    swings: i64,
     ticked: Instant,
     debounce: Debounce,
     trigger: Trigger,
@@ -65,6 +69,7 @@ pub struct Module {
 impl Default for Module {
     fn default() -> Self {
         Self {
+            closed_loop: ClosedLoop::default(),
             asks: Asks::default(),
             is_enabled: false,
             enabled: Instant::from_ticks(0),
@@ -72,7 +77,7 @@ impl Default for Module {
             at: Instant::from_ticks(0),
             mode: 0,
             waits: false,
-            swings: false,
+            swings: 0,
             ticked: Instant::from_ticks(0),
             debounce: Debounce::default(),
             trigger: Trigger::default(),
@@ -105,6 +110,7 @@ impl Module {
             (BLOCK_TIME, window.1),
             (QUICK_STOP, ramp),
             (RUN_CURRENT, current),
+            (WINDOW, self.closed_loop.window(dictionary)),
         ] {
             put_number(dictionary, index, 0, value);
         }
@@ -119,6 +125,8 @@ impl Module {
     /// The drive has published what it does.
     fn tick<D: Dictionary>(&mut self, dictionary: &mut D, view: &View<'_>) {
         let actuals = view.actuals;
+        self.closed_loop
+            .tick(actuals.is_moving, actuals.following_error);
         self.at = view.at;
         let was_enabled = self.is_enabled;
         let state = State::from_statusword(actuals.statusword);
@@ -143,12 +151,18 @@ impl Module {
         }
         let time = u64::try_from(number(dictionary, 0x2004, 5)).unwrap_or(0) * 1_000;
         let swings = self.stands.is_none_or(|then| self.since(then) < time);
-        self.swings = actuals.mode_display == 1 && self.is_enabled && swings;
+        let is_block_run = matches!(number(dictionary, 0x6098, 0), -3 | -2);
+        let waits = match actuals.mode_display {
+            1 => REACHED,
+            HOMING if is_block_run => REACHED | ATTAINED,
+            _ => 0,
+        };
+        self.swings = if self.is_enabled && swings { waits } else { 0 };
         let is_homing = actuals.mode_display == HOMING && self.is_enabled && {
-            let bits = actuals.statusword & (ATTAINED | HOMING_ERROR);
+            let bits = i64::from(actuals.statusword) & (ATTAINED | HOMING_ERROR);
             number(dictionary, 0x6040, 0) & 0x10 != 0 && bits == 0
         };
-        let seeks_block = is_homing && matches!(number(dictionary, 0x6098, 0), -3 | -2);
+        let seeks_block = is_homing && is_block_run;
         if seeks_block != core::mem::replace(&mut self.seeks_block, seeks_block) {
             self.set_up(dictionary);
         }
@@ -186,8 +200,11 @@ impl Behaviour for Module {
     }
 
     fn written<D: Dictionary + Objects>(&mut self, dictionary: &mut D, entry: &Entry) {
+        if entry.index == 0x6060 {
+            self.closed_loop.choose(dictionary);
+        }
         match entry.index {
-            0x2004 | 0x6060 | 0x6065 | 0x6066 | 0x6085 | 0x6098 | 0x60FE => {
+            0x2004 | 0x6060 | 0x6065..=0x6067 | 0x6085 | 0x6098 | 0x60FE => {
                 self.set_up(dictionary);
             }
             0x2010 => self.asks.commands = true,
@@ -202,9 +219,12 @@ impl Behaviour for Module {
         }
         self.debounce.show(dictionary);
         self.trigger.show(dictionary, view.serves_frame);
-        if self.swings {
+        if let Some(run) = self.closed_loop.run() {
+            put_number(dictionary, 0x6061, 0, run);
+        }
+        if self.swings != 0 {
             let word = number(dictionary, 0x6041, 0);
-            put_number(dictionary, 0x6041, 0, word & !REACHED);
+            put_number(dictionary, 0x6041, 0, word & !self.swings);
         }
     }
 
@@ -222,6 +242,17 @@ impl Behaviour for Module {
             let bit = number(dictionary, 0x2010, 1).clamp(0, 63);
             commands.home_switch = Some(number(dictionary, 0x2010, 2) >> bit & 1 != 0);
         }
+    }
+
+    fn loops<D: Dictionary + Objects>(
+        &mut self,
+        dictionary: &mut D,
+        told: &Told,
+        settings: &mut ServoSettings,
+    ) -> Option<Request> {
+        let request = self.closed_loop.loops(dictionary, told, settings);
+        self.asks.configuration |= self.closed_loop.limit(dictionary, told);
+        request
     }
 
     fn asks(&mut self) -> Asks {

@@ -17,6 +17,8 @@ use super::Seen;
 pub(super) const DIGITAL_VELOCITY: i64 = -128;
 const ANALOGUE_VELOCITY: i64 = -127;
 pub(super) const GEARING: i64 = -124;
+const DIGITAL_CURRENT: i64 = -126;
+const ANALOGUE_CURRENT: i64 = -125;
 const MOTION_TASK: i64 = -120;
 
 /// ACCR and DECR, for jog.
@@ -78,7 +80,7 @@ pub(super) fn check<D: Dictionary>(
     value: i64,
 ) -> Result<(), AbortCode> {
     let is_known = match (entry.index, entry.sub) {
-        (0x35B4, 1) => [0, 1, 4, 8].contains(&value),
+        (0x35B4, 1) => [0, 1, 2, 3, 4, 8].contains(&value),
         (0x35CF, 1) => (0..=1).contains(&value),
         (0x35AD, 1) => METHODS.iter().any(|(_, kind, _)| *kind == value),
         (0x352C, 1) => {
@@ -187,6 +189,7 @@ impl Modes {
         let stands_for = match own {
             MOTION_TASK => 1,
             DIGITAL_VELOCITY | ANALOGUE_VELOCITY | GEARING => 3,
+            DIGITAL_CURRENT | ANALOGUE_CURRENT => 4,
             mode => mode,
         };
         let is_aside = is_task || self.jog != Jog::None;
@@ -270,6 +273,8 @@ pub(super) fn limit<D: Dictionary>(
             let own = if is_negative { 0x3623 } else { 0x3622 };
             let limits = [limit(0x358C, false), limit(own, false)];
             let speed = least(velocity.unsigned_abs(), limits);
+            // ESPEED.
+            let speed = least(speed, [limit(0x3675, false), None]);
             commands.target_velocity = speed.signed(is_negative);
         }
         _ => {}

@@ -1,5 +1,5 @@
 //! What the S200 does that is no data: motion tasks, the commands among its parameters, its command engine and its text interface, its own modes,
-//! limits of speed, warnings that become faults, and status words.
+//! limits of speed, warnings that become faults, status words, and the loops of its motor.
 //!
 //! Where its manual gives no coding or unit, those of its series hold; each place says so.
 
@@ -12,6 +12,7 @@ mod limits;
 mod modes;
 mod prompt;
 mod registers;
+mod servo;
 mod status;
 mod supply;
 mod tasks;
@@ -24,6 +25,7 @@ use canopen::od::{self, Dictionary, Entry};
 use cia402::behaviour::{Asks, Behaviour, View, number, put_number};
 use cia402::commands::Commands;
 use cia402::controlword::{CHANGE_IMMEDIATELY, NEW_SET_POINT};
+use cia402::loops::{Request, ServoSettings, Told};
 use cia402::units::Units;
 use cia402::{Objects, State};
 
@@ -34,6 +36,7 @@ use homing::Reference;
 use modes::Modes;
 use prompt::Prompt;
 use registers::{Call, Registers};
+use servo::Servo;
 use status::{Found, Status};
 use supply::Supply;
 use tasks::{Faulty, Tasks};
@@ -130,6 +133,7 @@ pub struct Module {
     /// What stands for the password of PASSCNFG; 0 for none.
     password: i64,
     units: Option<Units>,
+    servo: Servo,
     status: Status,
     asks: Asks,
     /// Power-on values are loaded, and the stored ones may not be yet.
@@ -230,6 +234,7 @@ impl Behaviour for Module {
         registers::check(entry, value)?;
         gearing::check(entry, value)?;
         self.prompt.check(entry, value)?;
+        Servo::check(entry, value)?;
         self.orders.check(dictionary, entry, value, &self.seen)
     }
 
@@ -282,6 +287,9 @@ impl Behaviour for Module {
         self.modes.written(dictionary, entry, &seen, &mut self.asks);
         gearing::written(dictionary, entry);
         self.prompt.written(dictionary, entry, &mut self.asks);
+        if self.servo.written(dictionary, entry) {
+            self.asks.configuration = true;
+        }
         self.status.written(entry);
     }
 
@@ -310,6 +318,8 @@ impl Behaviour for Module {
             self.is_starting = false;
             self.asks.configuration |= modes::begin(dictionary);
             self.enable.begin(dictionary);
+            self.servo.limit(dictionary);
+            self.asks.configuration = true;
         }
         let elapsed = seen.ticked.checked_duration_since(before.ticked);
         let elapsed = elapsed.and_then(|elapsed| u32::try_from(elapsed.ticks()).ok());
@@ -318,6 +328,7 @@ impl Behaviour for Module {
             self.asks.commands |= self.tasks.tick(dictionary, &seen);
             self.asks.commands |= self.modes.tick(dictionary, &seen);
             self.asks.commands |= self.gearing.tick(dictionary, &seen, elapsed);
+            self.asks.commands |= self.servo.tick(dictionary);
             self.asks.commands |= self.orders.tick(dictionary, &seen, &mut self.asks);
             units::show(dictionary, &seen);
             self.asks.commands |= self.enable.tick(dictionary, &seen);
@@ -340,6 +351,7 @@ impl Behaviour for Module {
         }
         self.modes.show(dictionary, &seen, self.tasks.takes_mode());
         self.gearing.show(dictionary, &seen);
+        self.status.more = self.servo.beside;
         let found = Found {
             warnings: self.supply.warnings | self.registers.warnings,
             hidden: supply::hidden(dictionary),
@@ -370,7 +382,19 @@ impl Behaviour for Module {
         modes::disable(dictionary, units, commands);
         modes::limit(dictionary, units, &seen, commands);
         commands.fault = self.status.fault();
+        self.servo.command(dictionary, commands);
         self.status.outputs(dictionary, commands);
+    }
+
+    fn loops<D: Dictionary + Objects>(
+        &mut self,
+        dictionary: &mut D,
+        told: &Told,
+        settings: &mut ServoSettings,
+    ) -> Option<Request> {
+        let request = self.servo.loops(dictionary, told, settings);
+        self.asks.commands |= self.servo.fault().is_some();
+        request
     }
 
     fn asks(&mut self) -> Asks {

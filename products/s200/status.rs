@@ -100,6 +100,8 @@ pub(super) struct Status {
     told: u64,
     /// FltDiag: the level of an output, and its bit.
     diagnostic: Option<(bool, u32)>,
+    /// What the loops of the motor have to tell: of 2000h, of 1002h.
+    pub(super) more: (i64, i64),
     /// Levels of the outputs that compare, and which those are.
     levels: (u32, u32),
 }
@@ -134,6 +136,7 @@ impl Status {
         let mut warnings = own
             | found.warnings
             | limits::warnings(dictionary, seen)
+            | self.more.0
             | match self.faulty {
                 Some(Faulty::Task) => FAULTY_TASK,
                 Some(Faulty::Reference) => NO_REFERENCE,
@@ -228,6 +231,7 @@ impl Status {
         let latch = |from: u32, to: u32| (latched >> from & 1) << to;
         let own = number(dictionary, 0x1002, 0);
         let register = own
+            | self.more.1
             | i64::from(found.is_jogging) << 17
             | i64::from(found.is_hardware_enabled) << 29
             | i64::from(found.registers & 0x1F) << 5

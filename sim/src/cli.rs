@@ -61,7 +61,7 @@ struct DemoArguments {
     #[arg(long, value_name = "NAME", value_parser = product())]
     product: Option<Product>,
     /// The drive on a ready axis whose motor is moved by its current
-    #[arg(long, value_name = "NAME", value_parser = axis(), conflicts_with = "product")]
+    #[arg(long, value_name = "NAME", value_parser = axis())]
     axis: Option<ServoAxisData>,
 }
 
@@ -100,7 +100,7 @@ struct ServeArguments {
     #[arg(long, value_name = "FILE.toml")]
     plant: Option<PathBuf>,
     /// Be the drive on a ready axis whose motor is moved by its current: docs/servo.md
-    #[arg(long, value_name = "NAME", value_parser = axis(), conflicts_with_all = ["product", "plant"])]
+    #[arg(long, value_name = "NAME", value_parser = axis(), conflicts_with = "plant")]
     axis: Option<ServoAxisData>,
     /// Serial number (1018h:4), decimal or 0x and hexadecimal
     #[arg(long, value_name = "N", default_value = "1", value_parser = serial_number)]
@@ -232,6 +232,7 @@ fn service(arguments: ServeArguments) -> Result<Service, String> {
         None => stored.node_id,
     };
     let axis = match &arguments.axis {
+        Some(servo) if arguments.product.is_some() => Some(Axis::bare_servo(servo)),
         Some(servo) => Some(Axis::servo(servo)),
         None => arguments.plant.as_deref().map(Axis::read).transpose()?,
     };

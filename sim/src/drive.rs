@@ -14,7 +14,8 @@ use canopen::time::NEVER;
 use canopen::{BitRate, ControllerState, Duration, Event, Frame, Instant};
 use cia402::recorder::Memory;
 use cia402::{
-    Actuals, Actuator, AtPort, Behaves, Device, DriveConfig, Exchange, Objects, ServoAxis, StepAxis,
+    Actuals, Actuator, AtPort, Behaves, Behaviour, Device, DriveConfig, Exchange, Objects,
+    ServoAxis, StepAxis,
 };
 use motion::{AxisConfig, Clock, DriverTiming};
 use runtime::servo::ServoObjects;
@@ -219,9 +220,13 @@ impl<D: Behaves + Default, A: Moving> VirtualDrive<D, A> {
             return;
         };
         let loops = servo.loops_mut();
-        let (settings, request) = self
+        let (mut settings, mut request) = self
             .servo_objects
             .read(self.node.device().node().dictionary());
+        if D::Behaviour::IS_THERE {
+            let (dictionary, product) = self.node.product();
+            request = product.loops(dictionary, &loops.told_beside(), &mut settings);
+        }
         loops.set_up(&settings);
         if let Some(request) = request {
             loops.request(request);
@@ -347,7 +352,8 @@ fn firmware<D: Behaves + Default, A: Moving>(
         serial_number,
         Controller::BIT_RATES,
         store,
-    );
+    )
+    .moved_by(A::MODES);
     (node, A::control(scope))
 }
 

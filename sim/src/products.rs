@@ -6,13 +6,13 @@ use std::sync::Arc;
 
 use canopen::od;
 use canopen::{Configuration, Event, NodeId};
-use cia402::{Behaves, StepAxis};
+use cia402::{Behaves, ServoAxis, StepAxis};
 use master::bus::Station;
 use master::data_sheet::DataSheet;
 
 use crate::drive::{MotionSample, Moving, Setup, VirtualDrive};
 use crate::flash::Flash;
-use crate::plant::Plant;
+use crate::plant::{Plant, ServoAxisData};
 use crate::{Axis402, ServoDrive};
 
 /// A virtual drive, whatever its dictionary is.
@@ -114,7 +114,7 @@ impl Product {
         self.visit(Factory)
     }
 
-    /// A drive of this kind, without power.
+    /// A drive of this kind, without power; with a servo if its axis has one, else on pulses.
     pub fn drive(self, setup: Setup) -> Box<dyn Drive> {
         self.visit(Make(setup))
     }
@@ -146,7 +146,24 @@ impl products::Visitor for Make {
     where
         D: Behaves + Default + std::fmt::Debug + 'static,
     {
-        Box::new(VirtualDrive::<D, StepAxis>::new(self.0))
+        let mut setup = self.0;
+        match setup.axis.as_mut().and_then(|axis| axis.servo.as_mut()) {
+            None => Box::new(VirtualDrive::<D, StepAxis>::new(setup)),
+            Some(servo) => {
+                fit::<D>(servo);
+                Box::new(VirtualDrive::<D, ServoAxis>::new(setup))
+            }
+        }
+    }
+}
+
+/// Gives the motor an encoder with as many counts in a turn as the product has it.
+pub(crate) fn fit<D: Behaves + Default>(servo: &mut ServoAxisData) {
+    let dictionary = D::default();
+    let turns = dictionary.position_encoder_revolutions().max(1);
+    match dictionary.position_encoder_increments() / turns {
+        0 => {}
+        counts => servo.plant.sensors.counts = counts,
     }
 }
 

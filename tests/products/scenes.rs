@@ -4,6 +4,7 @@ use canopen::Frame;
 use sim::drive::Setup;
 
 use crate::bench::Bench;
+use crate::steer;
 
 /// Sequences that do not play yet, or never will, and why.
 pub const NOT_YET: &[(&str, &str, &str)] = &[
@@ -12,7 +13,6 @@ pub const NOT_YET: &[(&str, &str, &str)] = &[
         "emcy-figure",
         "a picture of any device: 2212h is no code of the LMD",
     ),
-    ("lmd", "profile-torque", "no torque yet"),
     (
         "tc1",
         "rpdo-principle",
@@ -93,7 +93,10 @@ fn lmd(sequence: &str) -> Bench {
             bench.write(0x41, 0x1017, 0, &[100, 0]);
             bench.sent.clear();
         }
-        "profile-torque" => bench.enable(0x41),
+        "profile-torque" => {
+            bench = steer::servo_node("lmd", "nema23", 0x41);
+            bench.enable(0x41);
+        }
         "sdo-read-device-type-node1" => {
             bench = Bench::node("lmd", 1);
             bench.send(&Frame::full(0x601, [0x40, 0x00, 0x10, 0, 0, 0, 0, 0]));

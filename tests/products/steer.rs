@@ -1,6 +1,7 @@
 //! What a master does with a drive again and again.
 
-use sim::plant::{Axis, Track};
+use sim::drive::Setup;
+use sim::plant::{Axis, ServoAxisData, Track};
 
 use crate::bench::Bench;
 
@@ -61,4 +62,38 @@ pub fn begin(bench: &mut Bench, target: i32, velocity: u32, acceleration: u32) {
     bench.write(NODE, 0x607A, 0, &target.to_le_bytes());
     command(bench, 0x1F);
     command(bench, 0x0F);
+}
+
+/// A product whose motor is moved by its current, on a ready axis, with a node-ID and in switch on disabled.
+pub fn on_servo(name: &str, axis: &str) -> Bench {
+    servo_node(name, axis, NODE)
+}
+
+/// The same with another node-ID.
+pub fn servo_node(name: &str, axis: &str, node: u8) -> Bench {
+    let data = ServoAxisData::named(axis).expect("a ready axis");
+    let setup = Setup {
+        axis: Some(Axis::bare_servo(&data)),
+        ..Setup::with_node_id(1, node)
+    };
+    let mut bench = Bench::new(name, setup);
+    bench.run(20);
+    bench
+}
+
+/// The motor and what is around it, to load it and to see what it does.
+pub fn plant(bench: &mut Bench) -> &mut servo_plant::Plant {
+    let servo = bench.drive.plant_mut().servo_mut();
+    servo.expect("a motor moved by its current").plant_mut()
+}
+
+/// The peak of the current in the motor, in A, with the sign of its torque.
+pub fn current(bench: &mut Bench) -> f64 {
+    let [d, q] = plant(bench).current();
+    d.hypot(q).copysign(q)
+}
+
+/// The rotor is held by something outside.
+pub fn hold(bench: &mut Bench) {
+    plant(bench).load_brake = 20.0;
 }

@@ -3,7 +3,7 @@
 use core::mem::MaybeUninit;
 
 use cia402::inputs::Capture;
-use cia402::{Emitter, Exchange};
+use cia402::{Actuator, Emitter, Exchange};
 use cortex_m::peripheral::SYST;
 use embedded_storage::nor_flash::ReadNorFlash;
 use rtic::Mutex;
@@ -198,7 +198,8 @@ pub fn start(device: <Selected as Board>::Device, timer: SYST, memory: Memory) -
             serial_number,
             CanBus::BIT_RATES,
             store,
-        ),
+        )
+        .moved_by(<<Selected as Board>::Axis as Actuator>::MODES),
         received,
         servo_objects,
         is_on: false,

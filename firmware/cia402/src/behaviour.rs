@@ -8,6 +8,7 @@
 //! - [`Behaviour::check`] and [`Behaviour::written`] with each write of an object of the drive or of its maker;
 //! - [`Behaviour::look`] behind each control tick, and before a frame is taken: what the drive has published, written to the dictionary before;
 //! - [`Behaviour::command`] with each set of commands, before the state machine has them;
+//! - [`Behaviour::loops`] behind each control tick of a servo: what its loops tell, and what they are set to;
 //! - [`Behaviour::asks`] before commands are posted: what else is to be done.
 //!
 //! A call takes a time that is bounded by the module's own numbers, waits for nothing and allocates nothing. A command to stop that it gives is
@@ -20,6 +21,7 @@ use canopen::od::{self, Dictionary, Entry};
 
 use crate::commands::Commands;
 use crate::exchange::Actuals;
+use crate::loops::{Request, ServoSettings, Told};
 use crate::objects::Objects;
 pub use motion::{SignedSpeed, Speed};
 
@@ -112,6 +114,18 @@ pub trait Behaviour: Default + core::fmt::Debug + 'static {
         commands: &mut Commands,
     ) {
         let _ = (dictionary, units, commands);
+    }
+
+    /// The loops of a servo, in each tick: what they tell goes into the dictionary, what they are set to comes out of it. Returns what they are to
+    /// measure, once.
+    fn loops<D: Dictionary + Objects>(
+        &mut self,
+        dictionary: &mut D,
+        told: &Told,
+        settings: &mut ServoSettings,
+    ) -> Option<Request> {
+        let _ = (dictionary, told, settings);
+        None
     }
 
     /// What is to be done since the last call.

@@ -126,6 +126,12 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
         self
     }
 
+    /// The same device on an actuator that can do these modes (`Actuator::MODES`); 6060h refuses the others.
+    pub fn moved_by(mut self, modes: u32) -> Self {
+        self.hooks.modes = modes;
+        self
+    }
+
     /// The same device with automatic bit rate detection ([`canopen::Node::detecting`]).
     pub fn detecting(mut self) -> Self {
         self.node = self.node.detecting();
@@ -250,6 +256,11 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
     /// The object dictionary, for the firmware to put in what it has measured beside the drive.
     pub fn dictionary_mut(&mut self) -> &mut D {
         self.node.dictionary_mut()
+    }
+
+    /// The object dictionary, and what the product does that is no data.
+    pub fn product(&mut self) -> (&mut D, &mut D::Behaviour) {
+        (self.node.dictionary_mut(), &mut self.hooks.behaviour)
     }
 
     /// The node, for its dictionary and state.

@@ -124,6 +124,9 @@ impl<D: Objects, L: EmitterLock> Drive<D, ServoAxis<L>> {
 }
 
 impl<D: Objects, A: Actuator> Drive<D, A> {
+    /// The modes of its data sheet that its actuator can do, bits as in 6502h.
+    const MODES: u32 = D::DRIVE.modes & A::MODES;
+
     /// A drive that is not ready to switch on, with an actuator that commits demands so long ahead of the motor, and with control ticks of
     /// this period. It becomes switch on disabled by itself with the first one.
     #[inline]
@@ -211,7 +214,6 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
     where
         A: AtPort<P>,
     {
-        const { assert!(D::DRIVE.modes & !A::MODES == 0) };
         let waiting = self.take(is_early, exchange);
         let is_asked = is_early || waiting.has_orders || waiting.is_configured;
         let command = if self.is_unchanged(is_asked) {
@@ -278,8 +280,8 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         if !is_early {
             let cyclic = &self.configuration.cyclic;
             let mode = self.modes.active();
-            let wanted = Mode::among(D::DRIVE.modes, self.commands.mode).unwrap_or(mode);
-            let keeps_records = Mode::InterpolatedPosition.is_among(D::DRIVE.modes);
+            let wanted = Mode::among(Self::MODES, self.commands.mode).unwrap_or(mode);
+            let keeps_records = Mode::InterpolatedPosition.is_among(Self::MODES);
             self.cyclic
                 .take(waiting, exchange, cyclic, (mode, wanted), keeps_records);
         } else if waiting.is_configured {
@@ -336,7 +338,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             return 0;
         }
         let since = core::mem::replace(&mut self.ticked, now);
-        let keeps_records = Mode::InterpolatedPosition.is_among(D::DRIVE.modes);
+        let keeps_records = Mode::InterpolatedPosition.is_among(Self::MODES);
         self.cyclic
             .pass(micros_q16(now), &self.configuration.cyclic, keeps_records);
         now.checked_duration_since(since)

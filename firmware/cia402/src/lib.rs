@@ -40,6 +40,7 @@ pub mod faults;
 pub mod gearing;
 pub mod indicator;
 pub mod inputs;
+pub mod loops;
 pub mod mode;
 mod modes;
 mod monitor;

@@ -81,9 +81,10 @@ pub(crate) fn check<D: Objects>(
     parameter: Parameter,
     number: i64,
     dictionary: &D,
+    modes: u32,
 ) -> Result<(), AbortCode> {
-    // A mode is there if this firmware, the data sheet and 6502h have it.
-    let modes = D::DRIVE.modes & dictionary.supported_drive_modes();
+    // A mode is there if this firmware, its actuator, the data sheet and 6502h have it.
+    let modes = modes & D::DRIVE.modes & dictionary.supported_drive_modes();
     let is_offered = parameter != Parameter::ModesOfOperation
         || i8::try_from(number).is_ok_and(|code| Mode::among(modes, code).is_some());
     if !is_offered || !has_meaning(parameter, number) {

@@ -135,6 +135,17 @@ where
         self.device.dictionary_mut()
     }
 
+    /// The same on an actuator that can do these modes (`Actuator::MODES`).
+    pub fn moved_by(mut self, modes: u32) -> Self {
+        self.device = self.device.moved_by(modes);
+        self
+    }
+
+    /// The object dictionary, and what the product does that is no data.
+    pub fn product(&mut self) -> (&mut D, &mut D::Behaviour) {
+        self.device.product()
+    }
+
     /// Goes on the bus and boots the node, or begins to look for the bit rate.
     pub fn power_on(&mut self, host: &mut impl Host, controller: &mut impl Controller) {
         let now = host.now();

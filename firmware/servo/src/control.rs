@@ -200,6 +200,19 @@ impl Control {
         Ok(())
     }
 
+    /// A stepper is held in another way from the next period on, where it is held as one; what is held back stays so.
+    ///
+    /// # Errors
+    /// With what [`Stepper::new`] refuses; what was before stays.
+    pub fn change_stepper(&mut self, config: StepperConfig) -> Result<(), Implausible> {
+        if let Some(stepper) = &mut self.stepper {
+            let mut next = Stepper::new(&self.motor, config, self.config.period)?;
+            next.go_on_from(stepper);
+            *stepper = next;
+        }
+        Ok(())
+    }
+
     /// What a blocked rotor is from the next period on, as in [`ControlConfig::blocked`].
     ///
     /// # Errors
@@ -346,6 +359,12 @@ impl Control {
     /// speed in electrical rad/s.
     pub fn field(&self) -> Option<(Angle, f32)> {
         self.field
+    }
+
+    /// How much of I²t is spent, of the motor or the stage, whichever is more: 0 to 1.
+    pub fn heat(&self) -> f32 {
+        let [motor, stage] = &self.thermal;
+        motor.share().max(stage.share())
     }
 
     /// What there is to tell.

@@ -8,6 +8,7 @@
 //! - Supervised, the field follows the demand whatever the rotor does, and a lead beyond the bound is told.
 //! - The current is by the load: from that at rest up to the whole as the lead comes to a full step, at once; down again slowly.
 //! - The swinging of the rotor is damped: the field gives way to what the rotor is faster than the demand, until it brakes.
+//! - What is kept back for good is left out of every demand that follows.
 //! - A demand that turns back takes from what is held back first: the motor waits until it is where it was to be.
 //! - At rest what a load or friction leaves of the lead is added to the field, slowly, until the rotor is where it was to be. Supervised it is not.
 //! - A torque that was held before goes on: the field begins with the lead that gives it.
@@ -37,6 +38,8 @@ pub enum Beyond {
     MadeUpAtRest,
     /// The field waits; what it is behind the demand is made up at once.
     MadeUpAtOnce,
+    /// The field waits, and what it is behind the demand stays.
+    Kept,
 }
 
 /// How a stepper is held.
@@ -178,6 +181,16 @@ impl Stepper {
         })
     }
 
+    /// The same as another one is held, while it goes on.
+    pub fn go_on_from(&mut self, before: &Self) {
+        self.trim = before.trim;
+        self.behind = before.behind;
+        self.last = before.last;
+        self.current = before.current;
+        self.lead = before.lead;
+        self.is_beyond = before.is_beyond;
+    }
+
     /// The field is where it is demanded, and nothing is behind.
     pub fn reset(&mut self) {
         self.behind = 0;
@@ -211,7 +224,8 @@ impl Stepper {
 
     /// Whether the lead is at its bound, or what was held back there is not made up yet.
     pub fn is_held_back(&self) -> bool {
-        self.is_beyond || self.behind.unsigned_abs() as f32 * self.full_steps > 1.0
+        let is_kept = self.config.beyond == Beyond::Kept;
+        self.is_beyond || !is_kept && self.behind.unsigned_abs() as f32 * self.full_steps > 1.0
     }
 
     /// A period, in which no current is to be above `most` A.
@@ -258,7 +272,12 @@ impl Stepper {
 
     /// Takes from what is held back, if it is time for that. Returns with which speed, in electrical rad/s.
     fn make_up(&mut self, demand: &StepperDemand) -> f32 {
-        if self.config.beyond == Beyond::MadeUpAtRest && !demand.is_at_rest {
+        let waits = match self.config.beyond {
+            Beyond::MadeUpAtRest => !demand.is_at_rest,
+            Beyond::Kept => true,
+            Beyond::Told | Beyond::MadeUpAtOnce => false,
+        };
+        if waits {
             return 0.0;
         }
         let sign = self.behind.signum();

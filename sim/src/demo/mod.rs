@@ -134,7 +134,7 @@ pub(crate) fn show_on(bus: Bus, demo: &Demo, output: &mut dyn Write) -> Result<(
                 output,
                 "A {title} and a CANopen master, on one CAN bus at 1 Mbit/s. {LINES}"
             )?;
-            let story = product::play(product, demo.node_id)?;
+            let story = product::play(product, demo.axis, demo.node_id)?;
             (story, Interpreter::new(product.data_sheet()))
         }
         (None, None) => {

@@ -1,13 +1,13 @@
 //! The demonstration of another maker's drive, or of the drive with a servo: with what its data sheet gives it, by SDO alone.
 
 use canopen::{BitRate, Duration};
-use cia402::{Behaves, StepAxis};
+use cia402::{Behaves, ServoAxis, StepAxis};
 
 use super::{Chapter, Story, TARGET};
 use crate::ServoDrive;
 use crate::drive::{Moving, Setup, VirtualDrive};
 use crate::plant::{Axis, ServoAxisData};
-use crate::products::Product;
+use crate::products::{Product, fit};
 use master::bus::simulated::{Bus, Handle};
 use master::{Failure, Master};
 
@@ -26,12 +26,12 @@ const STATE: u16 = 0x6F;
 const TARGET_REACHED: u16 = 1 << 10;
 const ACKNOWLEDGED: u16 = 1 << 12;
 
-/// Plays the demonstration of this product on virtual time.
+/// Plays the demonstration of this product on virtual time, on an axis with a servo if there is one.
 ///
 /// # Errors
 /// The step that failed.
-pub fn play(product: Product, node: u8) -> Result<Story, Failure> {
-    product.visit(Play(node))
+pub fn play(product: Product, axis: Option<ServoAxisData>, node: u8) -> Result<Story, Failure> {
+    product.visit(Play(node, axis))
 }
 
 /// Plays the demonstration of the drive on this axis on virtual time: a move, back, and a tenth of the rated torque.
@@ -53,7 +53,7 @@ pub fn play_axis(axis: &ServoAxisData, node: u8) -> Result<Story, Failure> {
     Ok(script.story())
 }
 
-struct Play(u8);
+struct Play(u8, Option<ServoAxisData>);
 
 impl products::Visitor for Play {
     type Output = Result<Story, Failure>;
@@ -63,14 +63,30 @@ impl products::Visitor for Play {
         D: Behaves + Default + std::fmt::Debug + 'static,
     {
         let setup = Setup::with_node_id(SERIAL_NUMBER, self.0);
-        let mut script = Script::on(VirtualDrive::<D, StepAxis>::new(setup), self.0);
-        script.meet()?;
-        script.enable()?;
-        script.move_to(TARGET)?;
-        script.move_to(0)?;
-        script.switch_off()?;
-        Ok(script.story())
+        let Self(node, Some(mut servo)) = self else {
+            return go_there_and_back(VirtualDrive::<D, StepAxis>::new(setup), self.0);
+        };
+        fit::<D>(&mut servo);
+        let setup = Setup {
+            axis: Some(Axis::bare_servo(&servo)),
+            ..setup
+        };
+        go_there_and_back(VirtualDrive::<D, ServoAxis>::new(setup), node)
     }
+}
+
+fn go_there_and_back<D, A>(drive: VirtualDrive<D, A>, node: u8) -> Result<Story, Failure>
+where
+    D: Behaves + Default + std::fmt::Debug + 'static,
+    A: Moving,
+{
+    let mut script = Script::on(drive, node);
+    script.meet()?;
+    script.enable()?;
+    script.move_to(TARGET)?;
+    script.move_to(0)?;
+    script.switch_off()?;
+    Ok(script.story())
 }
 
 struct Script<D: Behaves, A> {

@@ -1,7 +1,7 @@
 use std::process::ExitCode;
 
 use super::*;
-use crate::plant::AXES;
+use crate::plant::{AXES, ServoAxisData};
 use master::bus::simulated::Interference;
 
 #[test]
@@ -61,7 +61,7 @@ fn the_picture_is_svg_with_both_curves() {
 #[test]
 fn every_product_goes_there_and_back() {
     for name in Product::names() {
-        let story = product::play(Product::named(name).unwrap(), NODE_ID)
+        let story = product::play(Product::named(name).unwrap(), None, NODE_ID)
             .unwrap_or_else(|failure| panic!("{name}: {failure}"));
         let targets: Vec<i32> = story.arrivals.iter().map(|(target, _)| *target).collect();
         assert_eq!(targets, [TARGET, 0], "{name}");
@@ -70,6 +70,25 @@ fn every_product_goes_there_and_back() {
                 (target - position).abs() <= 1,
                 "{name}: at {position} for {target}"
             );
+        }
+    }
+}
+
+/// The same on an axis with a servo.
+#[test]
+fn every_product_goes_there_and_back_with_a_servo() {
+    for (name, axis) in [
+        ("lmd", "nema23"),
+        ("nanotec", "nema23"),
+        ("s200", "servo_100w"),
+        ("tc1", "servo_400w"),
+    ] {
+        let axis = ServoAxisData::named(axis).map(ServoAxisData::at_work);
+        let story = product::play(Product::named(name).unwrap(), axis, NODE_ID)
+            .unwrap_or_else(|failure| panic!("{name}: {failure}"));
+        for (target, position) in story.arrivals {
+            let away = (target - position).abs();
+            assert!(away <= 8, "{name}: at {position} for {target}");
         }
     }
 }

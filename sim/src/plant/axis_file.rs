@@ -71,6 +71,15 @@ impl Axis {
         }
     }
 
+    /// The same for a drive whose data sheet has the limits and units of its motor: a product.
+    pub fn bare_servo(data: &ServoAxisData) -> Self {
+        Self {
+            servo: Some(*data),
+            encoder: true,
+            ..Self::default()
+        }
+    }
+
     /// Reads an axis.
     ///
     /// # Errors

@@ -90,6 +90,9 @@ pub struct PathEnd {
 
 /// See the module.
 pub trait Actuator: 'static {
+    /// The modes that it can do, bits as in 6502h. What else a data sheet offers is not there.
+    const MODES: u32;
+
     /// The position and the velocity that were being done at the start of this tick.
     fn demand(&self) -> Demand;
 
@@ -218,9 +221,6 @@ pub trait Actuator: 'static {
 
 /// An actuator at its port `P`: what the board gives it to move the motor with.
 pub trait AtPort<P>: Actuator {
-    /// The modes that it can do, bits as in 6502h. A data sheet that offers another one does not compile.
-    const MODES: u32;
-
     /// Takes what is set up. The motor has no power and stands.
     fn set_up(&mut self, configuration: &Configuration);
 

@@ -264,8 +264,6 @@ impl TorqueLimits {
 }
 
 impl<L: EmitterLock, P: ServoPort> AtPort<P> for ServoAxis<L> {
-    const MODES: u32 = u32::MAX;
-
     fn set_up(&mut self, configuration: &Configuration) {
         self.rated = configuration.torque.rated;
         self.rated_current = configuration.torque.rated_current;
@@ -323,6 +321,8 @@ impl<L: EmitterLock, P: ServoPort> AtPort<P> for ServoAxis<L> {
 
 #[rustfmt::skip] // A table: most of it hands a demand on to the path.
 impl<L: EmitterLock> Actuator for ServoAxis<L> {
+    const MODES: u32 = u32::MAX;
+
     fn demand(&self) -> Demand { if self.held.is_some() { self.rotor } else { self.path.demand() } }
     fn torque(&self) -> Option<Torque> { Some(self.torque) }
     fn set_torque(&mut self, limits: TorqueLimits, ahead: i16) { (self.limits, self.ahead) = (limits, ahead); }

@@ -191,8 +191,6 @@ fn seen_from(goal: Goal, here: i64, committed: i64) -> Goal {
 
 impl<L: EmitterLock, S: PulseSink> AtPort<S> for StepAxis<L> {
     /// Nothing measures the current.
-    const MODES: u32 = !TORQUE_MODES;
-
     fn set_up(&mut self, configuration: &Configuration) {
         let timing = configuration.pulse_timing;
         if timing != self.timing {
@@ -242,6 +240,8 @@ impl<L: EmitterLock, S: PulseSink> AtPort<S> for StepAxis<L> {
 }
 
 impl<L: EmitterLock> Actuator for StepAxis<L> {
+    const MODES: u32 = !TORQUE_MODES;
+
     fn take_errors(&mut self) -> ActuatorErrors {
         let mut errors = self.emitter.lock(Emitter::take_errors);
         errors.is_broken |= core::mem::take(&mut self.is_broken);

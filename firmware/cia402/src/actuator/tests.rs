@@ -104,7 +104,7 @@ fn a_tick_commits_what_no_refill_does_in_time() {
 #[test]
 fn a_step_axis_has_no_torque() {
     let mut axis = step_axis();
-    assert_eq!(<StepAxis as AtPort<Player>>::MODES & TORQUE_MODES, 0);
+    assert_eq!(<StepAxis as Actuator>::MODES & TORQUE_MODES, 0);
     assert_eq!(axis.torque(), None);
     assert_eq!(axis.hold_torque(100), Err(NotSupported));
     assert!(axis.is_at_rest(), "nothing changes");
@@ -113,7 +113,7 @@ fn a_step_axis_has_no_torque() {
 #[test]
 fn a_servo_has_one() {
     let mut servo = Servo::default();
-    assert_eq!(<Servo as AtPort<Shaft>>::MODES & TORQUE_MODES, TORQUE_MODES);
+    assert_eq!(<Servo as Actuator>::MODES & TORQUE_MODES, TORQUE_MODES);
     servo.hold_torque(100).unwrap();
     assert_eq!(servo.torque().map(|torque| torque.actual), Some(100));
 }

@@ -60,6 +60,8 @@ pub(crate) struct Hooks<A, B> {
     pub(crate) application: A,
     pub(crate) behaviour: B,
     serial_number: u32,
+    /// The modes of the actuator, bits as in 6502h.
+    pub(crate) modes: u32,
     history: ControlwordHistory,
     units: Units,
     written: bool,
@@ -89,6 +91,7 @@ impl<A, B: Behaviour> Hooks<A, B> {
             application,
             behaviour: B::default(),
             serial_number,
+            modes: u32::MAX,
             history: ControlwordHistory::new(0),
             units: Units::NONE,
             written: true,
@@ -284,7 +287,12 @@ impl<D: Behaves, A: Application<D>> Application<D> for Hooks<A, D::Behaviour> {
         if let Some(parameter) = parameter
             && let Some(number) = od::number(entry, value)
         {
-            rules::check(parameter, D::converted(entry, number)?, dictionary)?;
+            rules::check(
+                parameter,
+                D::converted(entry, number)?,
+                dictionary,
+                self.modes,
+            )?;
         }
         if D::Behaviour::IS_THERE {
             self.behaviour.check(dictionary, entry, value)?;

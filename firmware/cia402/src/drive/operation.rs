@@ -26,7 +26,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
 
     /// What may be asked of a motor with a torque, and what is given ahead of its loops, in this tick and the refills behind it. Returns bit 11 of the statusword.
     fn limit_torque(&mut self) -> u16 {
-        if D::DRIVE.modes & TORQUE_MODES == 0 {
+        if Self::MODES & TORQUE_MODES == 0 {
             return 0;
         }
         let torque = &self.configuration.torque;
@@ -66,7 +66,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         let state = self.machine.state();
         let torque_limit = self.limit_torque();
         if state != State::OperationEnabled && self.motor.standstill() {
-            self.modes.select::<D>(self.commands.mode);
+            self.modes.select(Self::MODES, self.commands.mode);
         }
         let bits = match state {
             State::OperationEnabled => {

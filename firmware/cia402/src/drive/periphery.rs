@@ -95,7 +95,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             let release = u64::from(brake.release).saturating_mul(1_000);
             self.brakes.free = Instant::from_ticks(now.ticks().saturating_add(power));
             // A field that is led by the rotor draws it nowhere.
-            let is_drawn = inputs.position_tolerance != 0 && D::DRIVE.modes & TORQUE_MODES == 0;
+            let is_drawn = inputs.position_tolerance != 0 && Self::MODES & TORQUE_MODES == 0;
             let wait = if is_drawn {
                 power.saturating_add(release).saturating_add(CATCH)
             } else {

@@ -82,7 +82,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             velocity_demand,
             velocity_actual,
             following_error: units.distance_in_units(observed.following_error),
-            torque: if D::DRIVE.modes & TORQUE_MODES == 0 {
+            torque: if Self::MODES & TORQUE_MODES == 0 {
                 Torque::NONE
             } else {
                 self.motor.torque().unwrap_or(Torque::NONE)

@@ -306,8 +306,8 @@ impl Modes {
     }
 
     /// The motor stands, and no mode is at work: the mode that is asked for is the mode.
-    pub(crate) fn select<D: Objects>(&mut self, code: i8) {
-        if let Some(mode) = Mode::among(D::DRIVE.modes, code)
+    pub(crate) fn select(&mut self, modes: u32, code: i8) {
+        if let Some(mode) = Mode::among(modes, code)
             && mode != self.active()
         {
             self.set(mode);
@@ -399,9 +399,10 @@ impl Modes {
     /// One control tick in operation enabled. Returns the bits of the statusword that belong to the mode. A mode that the drive has
     /// not got is not linked.
     pub(crate) fn tick<P: Parts>(&mut self, context: &mut Context<'_, P>) -> u16 {
-        let has = |mode: Mode| mode.is_among(P::Objects::DRIVE.modes);
+        let modes = const { P::Objects::DRIVE.modes & P::Actuator::MODES };
+        let has = |mode: Mode| mode.is_among(modes);
         let active = self.active();
-        let wanted = Mode::among(P::Objects::DRIVE.modes, context.commands.mode).unwrap_or(active);
+        let wanted = Mode::among(modes, context.commands.mode).unwrap_or(active);
         if wanted != active {
             if !context.motor.standstill() && !wanted.begins_in_motion() {
                 let (commands, configuration) = (context.commands, context.configuration);

@@ -1,6 +1,7 @@
 //! The measurement of the motor, and what a master sets while the loops run.
 
 use cia402::ServoGoal;
+use cia402::loops::{Found, Request, ServoSettings};
 use servo::Angle;
 use servo::cascade::Gains;
 use servo::control::Fault;
@@ -9,40 +10,13 @@ use servo::motor::Implausible;
 use servo::tuning::{Chirp, Failure, Measured, Seen, Setup, Step, Tuning};
 
 use super::Loops;
-use super::settings::{ServoSettings, config, derating, loops, modulation};
+use super::settings::{LoopSettings as _, StepperLoops as _, config, derating, loops, modulation};
 
 /// The bandwidth of the velocity loop for which a measurement proposes gains, if none is wanted, in 1/s: loops of 4 kHz leave room for it.
 const BANDWIDTH: f32 = 600.0;
 
 /// The share of their gains that the loops have while a sine is added: stiff ones would take it away.
 const SOFT: f32 = 0.1;
-
-/// What is to be measured.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Request {
-    /// The motor: with this current in thousandths of the rated one, this way in thousandths of a turn, for this bandwidth in 1/s.
-    Motor {
-        /// 20C0h:2.
-        current: u16,
-        /// 20C0h:3.
-        way: u16,
-        /// 20C0h:4.
-        bandwidth: u16,
-    },
-    /// A sine is added to the torque: of these thousandths of the rated one, from one frequency to another in 0.1 Hz, for so many ms.
-    Chirp {
-        /// 20C0h:5.
-        torque: u16,
-        /// 20C0h:6 and 7.
-        frequencies: (u16, u16),
-        /// 20C0h:8.
-        time: u16,
-        /// 20C0h:3.
-        way: u16,
-    },
-    /// Nothing any more.
-    End,
-}
 
 /// How a measurement ends, as 20C1h:2 tells it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,46 +45,6 @@ impl From<Failure> for Ending {
             Failure::Held => Self::Held,
             Failure::TooFar => Self::TooFar,
         }
-    }
-}
-
-/// What was found, as 20C1h tells it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Found {
-    /// 20C1h:1 and 2.
-    pub state: u8,
-    /// See `state`.
-    pub failure: u8,
-    /// 20C1h:3 to 6.
-    pub winding: [u32; 4],
-    /// 20C1h:7.
-    pub pole_pairs: u16,
-    /// 20C1h:8.
-    pub direction: i8,
-    /// 20C1h:9.
-    pub angle: u16,
-    /// 20C1h:10 and 11.
-    pub loads: [u32; 2],
-    /// 20C1h:12 to 14.
-    pub gains: [u16; 3],
-}
-
-impl Found {
-    /// There was no measurement yet.
-    pub const NONE: Self = Self {
-        state: 0,
-        failure: 0,
-        winding: [0; 4],
-        pole_pairs: 0,
-        direction: 0,
-        angle: 0,
-        loads: [0; 2],
-        gains: [0; 3],
-    };
-
-    /// Whether the measurement is over.
-    pub fn has_ended(&self) -> bool {
-        self.state >= 6
     }
 }
 
@@ -153,9 +87,15 @@ impl Loops {
     pub fn set_up(&mut self, settings: &ServoSettings) {
         let gains = ServoSettings {
             motor: self.settings.motor,
+            pole_pairs: self.settings.pole_pairs,
+            offset: self.settings.offset,
+            is_turned: self.settings.is_turned,
             stepper: self.settings.stepper,
             ..*settings
         };
+        if self.settings.is_barred && !settings.is_barred {
+            self.begin_anew();
+        }
         if gains != self.settings {
             if gains.filters != self.settings.filters {
                 let (low_pass, notch) = gains.filters(&self.data);
@@ -169,12 +109,25 @@ impl Loops {
             let _ = self.interrupt.current.set_share(share);
             let _ = self.control.set_blocked(gains.blocked());
         }
-        if settings.stepper != self.settings.stepper && !self.is_on {
+        let is_stepper = settings.stepper.way != 0 && self.settings.stepper.way != 0;
+        let is_at_once = settings.stepper.is_at_once;
+        let is_other = settings.stepper != self.settings.stepper;
+        if is_other && (!self.is_on || is_at_once && !is_stepper) {
             self.settings.stepper = settings.stepper;
             let config = settings.stepper.config(&self.data, &self.motor);
             let _ = self.control.set_stepper(config);
+        } else if is_other && is_at_once {
+            self.settings.stepper = settings.stepper;
+            if let Some(config) = settings.stepper.config(&self.data, &self.motor) {
+                // What cannot be leaves it as it is.
+                let _ = self.control.change_stepper(config);
+            }
         }
-        if settings.motor != self.settings.motor && !self.is_on {
+        if !self.is_on {
+            self.set_up_encoder(settings);
+        }
+        let motor = |settings: &ServoSettings| (settings.motor, settings.pole_pairs);
+        if motor(settings) != motor(&self.settings) && !self.is_on {
             self.settings = *settings;
             let (motor, _) = settings.motor(&self.data);
             // A motor that cannot be is none: the one before stays.
@@ -182,8 +135,22 @@ impl Loops {
                 self.interrupt.current = current;
                 self.control = control;
                 self.motor = motor;
+                self.interrupt.encoder.set_pole_pairs(motor.pole_pairs);
             }
         }
+    }
+
+    /// Where the magnet is, and which way the encoder counts.
+    fn set_up_encoder(&mut self, settings: &ServoSettings) {
+        let change = settings.offset.wrapping_sub(self.settings.offset);
+        if change != 0 {
+            let encoder = &mut self.interrupt.encoder;
+            let change = Angle::from_bits(u32::from(change) << 16);
+            encoder.set_angle(encoder.angle().plus(change));
+            self.interrupt.observer.stand_at(encoder.angle());
+        }
+        self.interrupt.encoder.turn(settings.is_turned);
+        (self.settings.offset, self.settings.is_turned) = (settings.offset, settings.is_turned);
     }
 
     /// Begins a measurement, or ends it.

@@ -29,16 +29,15 @@ use servo::offsets::{Calibration, CurrentSense};
 use servo::transform::Rotor;
 use servo::{Angle, Control, CurrentInterrupt, Implausible, Motor, Wiring};
 
+pub use cia402::loops::{Found, Request, ServoSettings, StepperSettings, Told as LoopsTold};
 pub use current::Current;
 pub use data::{ServoData, StageData};
 pub use link::Link;
 use measurement::{Ending, Measurement};
-pub use measurement::{Found, Request};
 pub use objects::ServoObjects;
 pub use orders::error_code;
 pub use port::Port;
-use settings::loops;
-pub use settings::{ServoSettings, StepperSettings};
+use settings::{LoopSettings as _, config, loops};
 
 /// Of the observer, in rad/s.
 const OBSERVER: f32 = 3_000.0;
@@ -176,7 +175,8 @@ impl Loops {
     /// A period of the modulation, with the stage so hot, in 0.1 °C: the pulse widths; without any the gates are to be off.
     #[inline]
     pub fn period(&mut self, counts: &Counts, hot: i16) -> Option<[f32; 3]> {
-        let widths = if !self.is_on || self.fault.is_some() {
+        let is_off = !self.is_on || self.settings.is_barred;
+        let widths = if is_off || self.fault.is_some() {
             self.look(counts);
             None
         } else if self.begin != Begin::Over {
@@ -199,12 +199,17 @@ impl Loops {
         if self.periods >= self.data.stage.control {
             self.periods = 0;
         }
-        if !is_due || !self.is_on || self.begin != Begin::Over || self.is_measured() {
+        if !is_due
+            || !self.is_on
+            || self.settings.is_barred
+            || self.begin != Begin::Over
+            || self.is_measured()
+        {
             return;
         }
         if let Some(order) = &self.order {
             let held = self.held_at();
-            let order = orders::order(order, &self.motor, origin, held);
+            let order = orders::order(order, &self.motor, origin, held, self.settings.ahead);
             self.control.order(order, since);
         }
         let seen = Seen {
@@ -222,7 +227,11 @@ impl Loops {
         if let Ok(current) = self.control.run(&self.interrupt, &seen) {
             match self.control.field() {
                 Some((from, speed)) => self.interrupt.order_field(current, from, speed),
-                None => self.interrupt.order(current, 0),
+                None => {
+                    let lead = u32::from(self.settings.lead.cast_unsigned()) << 16;
+                    let lead = Angle::from_bits(lead).sine_cosine();
+                    self.interrupt.order(current.turned(lead), 0);
+                }
             }
         }
         self.fault = self.control.fault();
@@ -254,7 +263,8 @@ impl Loops {
             }
             Step::Found(angle) => {
                 self.search = None;
-                self.interrupt.encoder.set_angle(angle);
+                let offset = Angle::from_bits(u32::from(self.settings.offset) << 16);
+                self.interrupt.encoder.set_angle(angle.plus(offset));
                 let angle = self.interrupt.encoder.angle();
                 self.interrupt.observer.stand_at(angle);
                 self.begin_anew();
@@ -280,6 +290,39 @@ impl Loops {
         let counts = self.position().wrapping_sub(origin);
         let wants_free = self.wants_free() || self.begin != Begin::Over;
         orders::report(report, counts, wants_free)
+    }
+
+    /// What there is to tell beside the actual values.
+    pub fn told_beside(&self) -> LoopsTold {
+        let report = self.told();
+        let current = self.interrupt.current.current();
+        let (motor, friction) = self.settings.motor(&self.data);
+        let own = ServoSettings::NONE.gains(&self.data);
+        let zero = (self.interrupt.encoder.offset().bits() >> 16) as u16;
+        LoopsTold {
+            found: *self.found(),
+            motor: listed(&motor, friction),
+            own_motor: listed(&self.data.motor, self.data.friction),
+            own_pole_pairs: self.data.motor.pole_pairs,
+            own_torque_constant: number(self.data.motor.torque_constant(), 1e-6),
+            pole_pairs: motor.pole_pairs,
+            torque_constant: number(motor.torque_constant(), 1e-6),
+            own_gains: [own.velocity, own.integral, own.position].map(|gain| (gain + 0.5) as u16),
+            own_share: (config(&self.data).share * 1e3) as u16,
+            speed: (report.velocity * 60_000.0 / motor.counts as f32) as i32,
+            counts: self.position(),
+            counts_of_turn: motor.counts,
+            rated_current: number(motor.rated_current, 1e-3),
+            peak_current: number(motor.peak_current, 1e-3),
+            most_speed: self.data.speed,
+            zero: zero.wrapping_sub(self.settings.offset),
+            lead: leads(&report),
+            current: ((current.d * 1e3) as i32, (current.q * 1e3) as i32),
+            angle: (self.interrupt.observer.angle().bits() >> 16) as u16,
+            heat: (self.control.heat() * 1e3) as u16,
+            is_limited: report.is_limited,
+            is_on: self.is_on && self.fault.is_none() && self.begin == Begin::Over,
+        }
     }
 
     /// The current that is asked of its loop.
@@ -315,6 +358,23 @@ impl Loops {
     pub fn is_hot(&self) -> bool {
         self.told().is_hot
     }
+}
+
+/// A value as a whole number of units.
+fn number(value: f32, unit: f32) -> u32 {
+    (value / unit + 0.5) as u32
+}
+
+/// A motor as 20C2h has it.
+fn listed(motor: &Motor, friction: f32) -> [u32; 6] {
+    [
+        number(motor.resistance, 1e-6),
+        number(motor.inductance_d, 1e-9),
+        number(motor.inductance_q, 1e-9),
+        number(motor.flux, 1e-9),
+        number(motor.inertia, 1e-9),
+        number(friction, 1e-6),
+    ]
 }
 
 fn leads(report: &Report) -> u16 {

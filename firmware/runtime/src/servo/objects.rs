@@ -14,6 +14,10 @@ pub struct ServoObjects {
 impl ServoObjects {
     /// What masters have set, and what they ask for if that is new.
     pub fn read<D: Dictionary>(&mut self, dictionary: &D) -> (ServoSettings, Option<Request>) {
+        if od::find::<D>(0x20C4, 1).is_err() {
+            // A product: its module says it.
+            return (ServoSettings::NONE, None);
+        }
         let byte = |index, sub| od::read_u8(dictionary, index, sub).unwrap_or(0);
         let word = |index, sub| od::read_u16(dictionary, index, sub).unwrap_or(0);
         let long = |index, sub| od::read_u32(dictionary, index, sub).unwrap_or(0);
@@ -29,8 +33,10 @@ impl ServoObjects {
                 current: word(0x20C4, 4),
                 at_rest: word(0x20C4, 5),
                 fall: word(0x20C4, 6),
+                is_at_once: false,
             },
             blocked: (word(0x20C5, 1), word(0x20C5, 2)),
+            ..ServoSettings::NONE
         };
         let command = byte(0x20C0, 1);
         if command == core::mem::replace(&mut self.command, command) {

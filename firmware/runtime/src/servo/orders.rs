@@ -12,14 +12,26 @@ fn speed(bits: i64) -> f32 {
     bits as f32 / BITS
 }
 
+/// Thousandths.
+fn share(thousandths: u16) -> f32 {
+    f32::from(thousandths) * 1e-3
+}
+
 /// The nearest whole number of a value by so many.
 fn whole(value: f32, by: f32) -> i32 {
     let value = value * by;
     (value + if value < 0.0 { -0.5 } else { 0.5 }) as i32
 }
 
-/// An order of the axis, whose positions count from `origin` on. A motor that is let go is held at `held`, if that is somewhere.
-pub(super) fn order(order: &ServoOrder, motor: &Motor, origin: i64, held: Option<i64>) -> Order {
+/// An order of the axis, whose positions count from `origin` on. A motor that is let go is held at `held`, if that is somewhere. Of the velocity and the
+/// acceleration so many thousandths go ahead of the loops.
+pub(super) fn order(
+    order: &ServoOrder,
+    motor: &Motor,
+    origin: i64,
+    held: Option<i64>,
+    ahead: (u16, u16),
+) -> Order {
     let torque = |micro: u32| micro as f32 * 1e-6;
     let by_current = order.current as f32 * 1e-3 * motor.torque_constant();
     let most = |micro: u32| torque(micro).min(by_current);
@@ -43,13 +55,17 @@ pub(super) fn order(order: &ServoOrder, motor: &Motor, origin: i64, held: Option
             counts: counts.wrapping_add(origin),
             part,
             velocity: speed(velocity.bits()),
-            acceleration: acceleration as f32,
+            acceleration: acceleration as f32 * share(ahead.1),
         },
+    };
+    let less = match goal {
+        Goal::Position { velocity, .. } => velocity * (share(ahead.0) - 1.0),
+        Goal::Torque => 0.0,
     };
     Order {
         goal,
         torque: order.torque as f32 * 1e-6,
-        velocity_ahead: speed(order.velocity_ahead.bits()),
+        velocity_ahead: speed(order.velocity_ahead.bits()) + less,
         most: (most(order.most.0), most(order.most.1)),
         speed: order.velocity.bits() as f32 / BITS,
     }
@@ -106,7 +122,7 @@ mod tests {
             current: 2_000,
             velocity: Speed::MAX,
         };
-        let taken = order(&given, &MOTOR, 100, Some(5));
+        let taken = order(&given, &MOTOR, 100, Some(5), (1_000, 1_000));
         let goal = Goal::Position {
             counts: 93,
             part: 1 << 30,
@@ -119,8 +135,11 @@ mod tests {
             goal: ServoGoal::Free,
             ..given
         };
-        assert_eq!(order(&free, &MOTOR, 0, None).goal, Goal::Torque);
-        let held = order(&free, &MOTOR, 0, Some(5)).goal;
+        assert_eq!(
+            order(&free, &MOTOR, 0, None, (1_000, 1_000)).goal,
+            Goal::Torque
+        );
+        let held = order(&free, &MOTOR, 0, Some(5), (1_000, 1_000)).goal;
         assert!(matches!(held, Goal::Position { counts: 5, .. }));
     }
 

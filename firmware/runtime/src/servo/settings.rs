@@ -1,5 +1,6 @@
 //! What the drive is set to beside its orders, and the loops that come of it.
 
+use cia402::loops::{ServoSettings, StepperSettings};
 use servo::cascade::Gains;
 use servo::control::ControlConfig;
 use servo::current_loop::CurrentConfig;
@@ -12,53 +13,19 @@ use servo::{Control, CurrentLoop, Motor};
 
 use super::data::ServoData;
 
-/// The motor and its loops as the objects say it; 0 is what the axis has.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ServoSettings {
-    /// 20C2h: in µΩ, nH along and across, nV·s, g·mm², µN·m.
-    pub motor: [u32; 6],
-    /// 60F9h:1 and 2, 60FBh:1, in 1/s.
-    pub gains: [u16; 3],
-    /// 60F6h:1, in thousandths.
-    pub share: u16,
-    /// 20C3h: the low-pass in Hz and its quality in thousandths, the notch likewise.
-    pub filters: [u16; 4],
-    /// 20C4h.
-    pub stepper: StepperSettings,
-    /// 20C5h: time in ms and speed in 1/min.
-    pub blocked: (u16, u16),
-}
-
-impl Default for ServoSettings {
-    fn default() -> Self {
-        Self::NONE
-    }
-}
-
-/// 20C4h:1 to 6; a way of 0 is none.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct StepperSettings {
-    /// 1 supervised, 2 made up at rest, 3 made up at once.
-    pub way: u8,
-    /// Hundredths of a full step.
-    pub bound: u16,
-    /// Full steps/s.
-    pub speed: u16,
-    /// Thousandths of 6075h.
-    pub current: u16,
-    /// Thousandths of that.
-    pub at_rest: u16,
-    /// In ms.
-    pub fall: u16,
-}
-
-impl StepperSettings {
+/// A stepper as the loops take it.
+pub(super) trait StepperLoops {
     /// `None` for the loops.
-    pub(super) fn config(&self, data: &ServoData, motor: &Motor) -> Option<StepperConfig> {
+    fn config(&self, data: &ServoData, motor: &Motor) -> Option<StepperConfig>;
+}
+
+impl StepperLoops for StepperSettings {
+    fn config(&self, data: &ServoData, motor: &Motor) -> Option<StepperConfig> {
         let beyond = match self.way {
             1 => Beyond::Told,
             2 => Beyond::MadeUpAtRest,
             3 => Beyond::MadeUpAtOnce,
+            4 => Beyond::Kept,
             _ => return None,
         };
         let current = f32::from(self.current) * 1e-3 * motor.rated_current;
@@ -74,26 +41,22 @@ impl StepperSettings {
     }
 }
 
-impl ServoSettings {
-    /// All as the axis has it.
-    pub const NONE: Self = Self {
-        motor: [0; 6],
-        gains: [0; 3],
-        share: 0,
-        filters: [0; 4],
-        stepper: StepperSettings {
-            way: 0,
-            bound: 0,
-            speed: 0,
-            current: 0,
-            at_rest: 0,
-            fall: 0,
-        },
-        blocked: (500, 10),
-    };
-
+/// Settings as the loops take them.
+pub(super) trait LoopSettings {
     /// The motor that the loops go by, and the torque of its friction.
-    pub(super) fn motor(&self, data: &ServoData) -> (Motor, f32) {
+    fn motor(&self, data: &ServoData) -> (Motor, f32);
+    /// How stiff they are.
+    fn gains(&self, data: &ServoData) -> Gains;
+    /// Low-pass and notch; a frequency of 0 is none. What cannot be is refused by the limits of 20C3h.
+    fn filters(&self, data: &ServoData) -> (Filter, Filter);
+    /// Speed in rad/s and time in s.
+    fn blocked(&self) -> (f32, f32);
+    /// `None` is that of the loop.
+    fn share(&self) -> Option<f32>;
+}
+
+impl LoopSettings for ServoSettings {
+    fn motor(&self, data: &ServoData) -> (Motor, f32) {
         let own = data.motor;
         let or = |number: u32, unit: f32, own: f32| match number {
             0 => own,
@@ -106,12 +69,16 @@ impl ServoSettings {
             inductance_q: or(across, 1e-9, own.inductance_q),
             flux: or(flux, 1e-9, own.flux),
             inertia: or(inertia, 1e-9, own.inertia),
+            pole_pairs: match self.pole_pairs {
+                0 => own.pole_pairs,
+                pairs => pairs,
+            },
             ..own
         };
         (motor, or(friction, 1e-6, data.friction))
     }
 
-    pub(super) fn gains(&self, data: &ServoData) -> Gains {
+    fn gains(&self, data: &ServoData) -> Gains {
         let own = Gains::from_bandwidth(data.bandwidth);
         let or = |number: u16, own: f32| if number == 0 { own } else { number.into() };
         let [velocity, integral, position] = self.gains;
@@ -122,8 +89,7 @@ impl ServoSettings {
         }
     }
 
-    /// Low-pass and notch; a frequency of 0 is none. What cannot be is refused by the limits of 20C3h.
-    pub(super) fn filters(&self, data: &ServoData) -> (Filter, Filter) {
+    fn filters(&self, data: &ServoData) -> (Filter, Filter) {
         let period = data.control_period();
         let [low_pass, flatness, notch, narrowness] = self.filters.map(f32::from);
         let low_pass = if flatness > 0.0 {
@@ -138,15 +104,13 @@ impl ServoSettings {
         )
     }
 
-    /// Speed in rad/s and time in s.
-    pub(super) fn blocked(&self) -> (f32, f32) {
+    fn blocked(&self) -> (f32, f32) {
         let (time, speed) = self.blocked;
         let turns = f32::from(speed) / 60.0;
         (turns * core::f32::consts::TAU, f32::from(time) * 1e-3)
     }
 
-    /// `None` is that of the loop.
-    pub(super) fn share(&self) -> Option<f32> {
+    fn share(&self) -> Option<f32> {
         (self.share > 0).then(|| f32::from(self.share) * 1e-3)
     }
 }

@@ -15,6 +15,8 @@ pub struct Incremental {
     factor: u64,
     /// How many counts an index may be off.
     tolerance: u32,
+    /// The timer counts the other way.
+    is_turned: bool,
     last: u16,
     position: i64,
     /// The count within the turn, from where `offset` is right.
@@ -31,6 +33,7 @@ impl Incremental {
             counts,
             factor: (u64::from(motor.pole_pairs) << 48) / u64::from(counts),
             tolerance,
+            is_turned: false,
             last: timer,
             position: 0,
             in_turn: 0,
@@ -42,6 +45,11 @@ impl Incremental {
     /// The timer counts this now. More than 32,767 counts between two looks cannot be seen.
     pub fn look(&mut self, timer: u16) {
         let moved = timer.wrapping_sub(self.last).cast_signed();
+        let moved = if self.is_turned {
+            moved.wrapping_neg()
+        } else {
+            moved
+        };
         self.last = timer;
         self.position = self.position.wrapping_add(moved.into());
         let mut in_turn = self.in_turn.cast_signed() + i32::from(moved);
@@ -62,6 +70,11 @@ impl Incremental {
     /// It is not whole turns away from the one before.
     pub fn index(&mut self, timer: u16) -> Result<(), FeedbackFault> {
         let since = self.last.wrapping_sub(timer).cast_signed();
+        let since = if self.is_turned {
+            since.wrapping_neg()
+        } else {
+            since
+        };
         let at = self.position.wrapping_sub(since.into());
         let first = *self.index.get_or_insert(at);
         let turn = i64::from(self.counts);
@@ -91,6 +104,21 @@ impl Incremental {
             .wrapping_mul(self.factor)
             .wrapping_add(self.factor / 2);
         Angle::from_bits((middle >> 16) as u32).plus(self.offset)
+    }
+
+    /// Other pole pairs, from where the count within the turn is 0.
+    pub fn set_pole_pairs(&mut self, pole_pairs: u16) {
+        self.factor = (u64::from(pole_pairs) << 48) / u64::from(self.counts.max(1));
+    }
+
+    /// Whether the timer counts the other way, from now on.
+    pub fn turn(&mut self, is_turned: bool) {
+        self.is_turned = is_turned;
+    }
+
+    /// The electrical angle where the count within the turn is 0.
+    pub fn offset(&self) -> Angle {
+        self.offset
     }
 
     /// The rotor stands at this electrical angle now.

@@ -65,6 +65,7 @@ const STEPPER: StepperSettings = StepperSettings {
     current: 1_000,
     at_rest: 400,
     fall: 50,
+    is_at_once: false,
 };
 
 /// A refill, in microseconds.

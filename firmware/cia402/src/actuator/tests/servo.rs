@@ -112,8 +112,6 @@ fn signed(velocity: f64) -> SignedSpeed {
 }
 
 impl AtPort<Shaft> for Servo {
-    const MODES: u32 = u32::MAX;
-
     fn set_up(&mut self, _: &Configuration) {}
 
     fn observe(&mut self, now: MicrosQ16, _: &Shaft) {
@@ -141,6 +139,8 @@ impl AtPort<Shaft> for Servo {
 
 #[rustfmt::skip] // A table: most of it says one thing in a line.
 impl Actuator for Servo {
+    const MODES: u32 = u32::MAX;
+
     fn demand(&self) -> Demand { Demand { position: self.committed_position(), velocity: signed(self.velocity) } }
     fn torque(&self) -> Option<Torque> { Some(if let Goal::Torque(actual) = self.goal { Torque { actual, ..Torque::default() } } else { Torque::default() }) }
     fn take_errors(&mut self) -> ActuatorErrors { ActuatorErrors::default() }

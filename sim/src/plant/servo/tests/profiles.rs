@@ -42,6 +42,7 @@ fn no_load_profile_costs_a_step() {
             current: random(500.0, 1_400.0) as u16,
             at_rest: random(200.0, 1_001.0) as u16,
             fall: random(5.0, 100.0) as u16,
+            is_at_once: false,
         };
         let what = format!("profile {profile}, {}, {settings:?}", data.name);
         let mut rig = Rig::stepper(data, profile, settings);
