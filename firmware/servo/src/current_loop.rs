@@ -16,7 +16,8 @@
 //! An inductance that is not that of the data, as iron saturates, shows when the current changes: the model has foretold by how much, and what it has done
 //! beside that is how it responds. Changes above a small part of the greatest current correct that, between [`STIFFEST`] and [`SOFTEST`].
 //!
-//! The voltage stays in the circle of the bus, as near as it comes to the one that is wanted. The current that is asked for stays in its own circle, d first.
+//! The voltage stays in the circle of the bus, d first: there field weakening acts. While the motor brakes it is the one that is nearest to what is wanted. The
+//! current that is asked for stays in its own circle, d first.
 //! A current above the trip, a bus outside its bounds, or what is no number, ends it: the gates are to be off until [`CurrentLoop::start`].
 
 use crate::Angle;
@@ -324,7 +325,7 @@ impl CurrentLoop {
         };
         let most = self.modulation.most(sample.bus);
         self.weakening.look(wanted, most);
-        let voltage = in_circle(wanted, most);
+        let voltage = in_circle(wanted, most, begin.q * speed < 0.0);
         self.voltage = voltage;
         let early = Rotor {
             d: voltage.d - turn * voltage.q,
@@ -418,12 +419,19 @@ impl CurrentLoop {
     }
 }
 
-/// A voltage in the circle: as near as it comes to the one that is wanted, so that the current is off by the least. d first would leave q to the magnet where a
-/// current that brakes takes the whole voltage, and q would run away. What is no number is 0.
+/// A voltage in the circle. While the motor drives d comes first, and q has what is left. While it brakes the voltage is as near as it comes to the one that is
+/// wanted: d first would leave q to the magnet where the current takes the whole voltage, and q would run away. What is no number is 0.
 #[inline]
-fn in_circle(wanted: Rotor, most: f32) -> Rotor {
+fn in_circle(wanted: Rotor, most: f32, brakes: bool) -> Rotor {
     if wanted.square() <= most * most {
         return wanted;
+    }
+    if !brakes {
+        let d = limit(wanted.d, most);
+        return Rotor {
+            d,
+            q: limit(wanted.q, root(most * most - d * d)),
+        };
     }
     let wanted = Rotor {
         d: limit(wanted.d, 1e6),

@@ -333,3 +333,21 @@ fn a_rotor_that_is_braked_fast_keeps_its_current() {
         }
     }
 }
+
+/// What drives where the bus ends has what it leaves: with d kept by it, the magnet takes no more than its own.
+#[test]
+fn a_rotor_that_is_driven_fast_has_what_the_bus_leaves() {
+    for (name, data) in axes::ALL {
+        let (rated, peak) = currents(name);
+        let known = motor(&data, rated, peak);
+        let bus = rig::modulation(&data, known.wiring).most(data.supply.voltage as f32);
+        let magnet = f64::from(bus / (known.flux * f32::from(known.pole_pairs)));
+        let config = CurrentConfig::quick(&known, PERIOD, 2.0 * peak, BUS);
+        let plant = Plant::new(held(&data), 1).turning(0.0, 0.88 * magnet);
+        let mut rig = Rig::new(plant, known, config);
+        rig.is_told = true;
+        rig.periods(400, q(peak));
+        let [d, q] = rig.plant.current().map(|amperes| amperes / f64::from(peak));
+        assert!(q > 0.15 && d.abs() < 0.05, "{name}: {d}, {q} of the peak");
+    }
+}
