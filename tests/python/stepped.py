@@ -73,6 +73,12 @@ class SteppedDrive:
     def shutdown(self):
         self.network = None
 
+    # What its own kind has beside.
+
+    def happen(self, event):
+        """Something happens to the motor of a servo: `stepped_drive` knows what."""
+        self.process.stdin.write(f"!{event}\n")
+
     # Time.
 
     def run(self, seconds, is_over=lambda: False):

@@ -1,6 +1,6 @@
 //! What ends operation of a drive whose motor is moved by its current, and the error codes.
 
-use servo_plant::Short;
+use servo_plant::{SensorFaults, Short};
 use sim::plant::ServoAxisData;
 use tests::drive::{FAULT, INTERNAL_LIMIT, OPERATION_ENABLED, ServoBench};
 
@@ -53,6 +53,34 @@ fn m45_an_encoder_that_is_cut_is_a_fault() {
         let mut drive = turning(name);
         drive.plant().sensor_faults.encoder_is_cut = true;
         fails(&mut drive, 1_500, &[0x7305, 0x7121, 0x8611]);
+    }
+}
+
+#[test]
+fn m45_counts_that_are_lost_are_a_fault_at_the_next_index() {
+    for (name, lost, slipped) in [
+        ("nema17", 5_i64, 0_i64),
+        ("servo_100w", -5, 0),
+        ("servo_400w", 0, 40),
+    ] {
+        let mut drive = turning(name);
+        // Two are the edges of an index.
+        drive.plant().sensor_faults.lost_counts = 2 * lost.signum();
+        drive.stays_in(OPERATION_ENABLED, 300);
+        drive.plant().sensor_faults.lost_counts = lost;
+        drive.plant().sensor_faults.slipped_index = slipped;
+        fails(&mut drive, 150, &[0x7305]);
+        // It comes back with each index: the magnet is not where the counts say.
+        drive.command(0x80);
+        drive.run_millis(20);
+        drive.enable();
+        fails(&mut drive, 500, &[0x7305]);
+        // What is mended holds again.
+        drive.plant().sensor_faults = SensorFaults::default();
+        drive.command(0x80);
+        drive.run_millis(20);
+        drive.enable();
+        drive.stays_in(OPERATION_ENABLED, 500);
     }
 }
 
@@ -260,7 +288,8 @@ fn m45_a_current_of_two_phases_that_stands_still_is_a_fault_before_much_flows() 
                     most = most.max(drive.plant().phase_currents()[1].abs());
                 }
                 let what = format!("{name}, {target} in mode {mode}, says {says}");
-                assert!(most < 3.0 * peak, "{what}: {most} A");
+                // More than that the bus does not drive until it is seen.
+                assert!(most < 3.3 * peak, "{what}: {most} A");
                 let code = drive.read_u16(0x603F, 0);
                 // A sensor that says nothing is a phase that carries nothing, as soon as it is to carry something.
                 let expected = match (says == 0.0, target) {

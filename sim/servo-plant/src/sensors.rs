@@ -11,10 +11,12 @@ const TURNS_OF_RADIAN: f64 = 0.5 * FRAC_1_PI;
 /// What is wrong with the sensors.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SensorFaults {
-    /// The encoder counts no more, and the absolute angle stands still.
+    /// The encoder counts no more, its index does not come, and the absolute angle stands still.
     pub encoder_is_cut: bool,
     /// So many counts of the encoder got lost.
     pub lost_counts: i64,
+    /// The index comes so many counts late.
+    pub slipped_index: i64,
     /// The Hall sensors whose wires are cut read 0: sensor `n` in bit `n`.
     pub cut_hall: u8,
     /// The current sensor of this phase says this, in A, whatever flows.
@@ -103,12 +105,13 @@ impl Sensors {
         if let Some((phase, current)) = faults.stuck_current {
             currents[phase] = current;
         }
+        let index = self.index.take().filter(|_| !faults.encoder_is_cut);
         let jitter = noise.normal(data.count_noise) * TAU / f64::from(data.counts);
         Readings {
             currents,
             bus_voltage: 0.0,
             count: count(data, seen + jitter) - faults.lost_counts,
-            index: self.index.take().map(|count| count - faults.lost_counts),
+            index: index.map(|count| count - faults.lost_counts + faults.slipped_index),
             hall: hall(seen * f64::from(pole_pairs)) & !faults.cut_hall,
             word: word(data, seen + jitter),
         }

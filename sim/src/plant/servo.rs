@@ -244,6 +244,9 @@ impl ServoMotor {
             bus: (readings.bus_voltage / f64::from(BUS)).round() as u16,
             timer: readings.count as u16,
         };
+        if let Some(index) = readings.index {
+            self.loops.index(index as u16);
+        }
         self.plant.chopper = self.loops.chops(&counts);
         let widths = self.loops.period(&counts, hot);
         self.loops.control(&counts, since, origin, hot);

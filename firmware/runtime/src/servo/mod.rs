@@ -172,6 +172,16 @@ impl Loops {
         self.order = order;
     }
 
+    /// The index of the encoder was passed with its timer at this count. One that does not come whole turns after the first is a fault: counts were lost. That stays
+    /// one at each index, as the magnet is not where the counts say any more.
+    pub fn index(&mut self, timer: u16) {
+        if let Err(fault) = self.interrupt.encoder.index(timer)
+            && self.is_on
+        {
+            self.control.fail(fault.into());
+        }
+    }
+
     /// A period of the modulation, with the stage so hot, in 0.1 °C: the pulse widths; without any the gates are to be off.
     #[inline]
     pub fn period(&mut self, counts: &Counts, hot: i16) -> Option<[f32; 3]> {

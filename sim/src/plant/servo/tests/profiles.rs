@@ -92,11 +92,22 @@ fn no_load_profile_costs_a_step() {
             waited += 0.005;
             assert!(waited < 20.0, "{what}: it is not made up");
         }
-        rig.run(0.1, 0.0);
         assert_eq!(rig.servo.fault(), None, "{what}");
-        let away = rig.servo.plant.angle() / std::f64::consts::TAU * counts - rig.position;
-        assert!(away.abs() < 0.2 * full_step, "{what}: {away} counts away");
-        most_away = most_away.max(away.abs() / full_step);
+        // It swings, and friction leaves some of the lead, for half a second at most.
+        let away = |rig: &Rig| {
+            let turns = rig.servo.plant.angle() / std::f64::consts::TAU;
+            (turns * counts - rig.position).abs() / full_step
+        };
+        let (mut stood, mut waited) = (0, 0.0);
+        while stood < 5 {
+            rig.run(0.005, 0.0);
+            waited += 0.005;
+            stood = if away(&rig) < 0.15 { stood + 1 } else { 0 };
+            assert!(waited < 0.5, "{what}: {} full steps away", away(&rig));
+        }
+        assert_eq!(rig.servo.fault(), None, "{what}");
+        let away = away(&rig);
+        most_away = most_away.max(away);
         if (profile + 1) % 1_000 == 0 || profile + 1 == profiles() {
             println!(
                 "{} profiles, {held_back} of them held back: a lead of at most {most_lead:.3} full steps, {most_over:.3} beyond the bound, {most_away:.3} away at the end",
