@@ -4,6 +4,7 @@ mod cyclic;
 mod faults;
 mod loops;
 mod modes;
+mod objects;
 mod stepper;
 mod torque;
 mod tuning;
