@@ -102,6 +102,36 @@ fn m45_modes_change_in_flight_without_a_bump() {
 }
 
 #[test]
+fn m45_each_mode_takes_over_from_each_in_flight() {
+    const MODES: [u8; 9] = [1, 2, 3, 4, 6, 7, 8, 9, 10];
+    for name in ["nema17", "servo_100w"] {
+        for from in MODES {
+            let mut drive = enabled(name, 3);
+            drive.write_u32(0x6065, 0, u32::MAX);
+            drive.write_i32(0x60FF, 0, 20_000);
+            drive.run_millis(200);
+            let mut most = 0;
+            for to in MODES {
+                for mode in [from, to] {
+                    drive.write_u8(0x6060, 0, mode);
+                    let mut waited = 0;
+                    while waited < 40 || drive.read_i8(0x6061, 0) != mode as i8 {
+                        drive.run_micros(250);
+                        let now = drive.axis().actuals().torque.actual;
+                        most = most.max(now.abs());
+                        waited += 1;
+                        assert!(waited < 4_000, "{name}: mode {mode} after {from}");
+                    }
+                }
+                drive.reaches(OPERATION_ENABLED, 1);
+            }
+            // What the ramps take, and friction; not what a jump would.
+            assert!(most < 700, "{name}, from {from}: {most}");
+        }
+    }
+}
+
+#[test]
 fn m45_a_limit_of_the_torque_holds_in_profile_position() {
     let mut drive = enabled("servo_100w", 1);
     hold(&mut drive);
