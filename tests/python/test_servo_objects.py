@@ -217,7 +217,7 @@ def test_what_is_given_ahead_of_the_loops(servo):
     give(one, 0, 60, 4)
     assert abs(one.read(0x6064) - 50) <= 2 and abs(one.read(0x60F4) + 50) <= 2
     one.write(0x60B1, 0)
-    # A torque ahead of the load that comes: it displaces the rotor by less. 96 mN·m are 300 ‰.
+    # A torque ahead of the load that comes, 0.15 N·m less the friction of the machine: it displaces the rotor by less.
     sags = []
     for offset in (0, 300):
         one.write(0x60B2, 0)
