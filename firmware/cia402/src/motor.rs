@@ -376,9 +376,15 @@ impl<A: Actuator> Motor<A> {
         }
     }
 
-    /// Where [`Motor::stop`] would end with these ramps. A sin² ramp under way counts as left if `leaves`: so it is for a target elsewhere.
+    /// Where [`Motor::stop`] would end with these ramps. A sin² ramp under way is left as an order with the limits of `leaves` leaves it, for a target
+    /// elsewhere.
     #[inline(never)]
-    pub(crate) fn stop_preview(&self, deceleration: u32, ramps: Ramps, leaves: bool) -> i64 {
+    pub(crate) fn stop_preview(
+        &self,
+        deceleration: u32,
+        ramps: Ramps,
+        leaves: Option<&Limits>,
+    ) -> i64 {
         match self.stopping_at_limit {
             None => self.actuator.stop_preview(deceleration, ramps, leaves),
             Some(least) => {

@@ -180,8 +180,9 @@ pub trait Actuator: 'static {
     /// Slows down to a standstill. On an error, a deceleration that gives no ramp, nothing changes.
     fn stop(&mut self, deceleration: u32, ramps: Ramps) -> Result<(), Refused>;
 
-    /// Where [`Actuator::stop`] would end; where the motor is, if it would be an error. With `leaves`, a sin² ramp under way is not finished.
-    fn stop_preview(&self, deceleration: u32, ramps: Ramps, leaves: bool) -> i64;
+    /// Where [`Actuator::stop`] would end; where the motor is, if it would be an error. A sin² ramp under way is finished, or left as an order
+    /// with the limits of `leaves` leaves it.
+    fn stop_preview(&self, deceleration: u32, ramps: Ramps, leaves: Option<&Limits>) -> i64;
 
     /// The power is off, or must not move the motor any further: what is not done yet is forgotten.
     fn cut_off(&mut self);

@@ -380,7 +380,7 @@ impl<L: EmitterLock> Actuator for ServoAxis<L> {
         self.path.stop(deceleration, ramps)
     }
 
-    fn stop_preview(&self, deceleration: u32, ramps: Ramps, leaves: bool) -> i64 {
+    fn stop_preview(&self, deceleration: u32, ramps: Ramps, leaves: Option<&Limits>) -> i64 {
         if self.held.is_none() {
             return self.path.stop_preview(deceleration, ramps, leaves);
         }

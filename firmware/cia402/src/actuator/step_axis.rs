@@ -338,7 +338,7 @@ impl<L: EmitterLock> Actuator for StepAxis<L> {
         self.plan(goal, limits, ramps)
     }
 
-    fn stop_preview(&self, deceleration: u32, ramps: Ramps, leaves: bool) -> i64 {
+    fn stop_preview(&self, deceleration: u32, ramps: Ramps, leaves: Option<&Limits>) -> i64 {
         let mut draft = self.emitter.look(|emitter| emitter.axis.draft(ramps));
         let rest = draft.stop_preview(deceleration, leaves);
         rest.map_or(self.committed, |rest| unwrapped(rest, self.committed))

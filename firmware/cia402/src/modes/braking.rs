@@ -3,7 +3,7 @@
 //! A jerk-limited ramp from v takes v/d + j⁻¹·d, over v/2 of that. Where d is not reached it is less than this formula says for any
 //! d, so d is cut to what keeps the numbers within 64 bits.
 
-use motion::{Ramps, SignedSpeed, Speed, isqrt, low};
+use motion::{Limits, Ramps, SignedSpeed, Speed, isqrt, low};
 
 use crate::actuator::Actuator;
 use crate::motor::Motor;
@@ -12,8 +12,8 @@ use crate::travel::Travel;
 /// A ramp on which the motor slows down.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Ramp {
-    /// In steps/s².
-    pub(super) deceleration: u32,
+    /// Those of the motion that it belongs to.
+    pub(super) limits: Limits,
     pub(super) ramps: Ramps,
 }
 
@@ -64,17 +64,19 @@ pub(super) fn between(
         hardest: 0,
     };
     let velocity = motor.committed_velocity();
-    let rest = |ramp: Ramp| motor.stop_preview(ramp.deceleration, ramp.ramps, true);
+    let deceleration = asked.limits.deceleration;
+    let rest =
+        |ramp: &Ramp| motor.stop_preview(ramp.limits.deceleration, ramp.ramps, Some(&asked.limits));
     // What runs ahead of a mean may have turned already.
     let reverse = match asked.ramps {
-        Ramps::MovingAverage(_) if asked.deceleration > 0 && velocity != SignedSpeed::ZERO => {
-            rest(asked) < motor.committed_position()
+        Ramps::MovingAverage(_) if deceleration > 0 && velocity != SignedSpeed::ZERO => {
+            rest(&asked) < motor.committed_position()
         }
         _ => velocity.bits() < 0,
     };
     let end = if reverse { low } else { high };
     let is_open = end == Travel::NONE.increments.0 || end == Travel::NONE.increments.1;
-    if velocity == SignedSpeed::ZERO || is_open || asked.deceleration == 0 {
+    if velocity == SignedSpeed::ZERO || is_open || deceleration == 0 {
         return as_asked;
     }
     let beyond = |position: i64| {
@@ -89,31 +91,43 @@ pub(super) fn between(
     let available = beyond(motor.committed_position()).saturating_add(1);
     let available = available.min(0).unsigned_abs();
     let speed = velocity.unsigned_abs();
-    let accelerations = (0, asked.deceleration);
+    let accelerations = (0, deceleration);
     if asked.ramps == Ramps::Linear && distance(speed, accelerations, asked.ramps) < available {
         return as_asked;
     }
-    // sin² braking for a target is finished as it was begun; for another one it is left.
-    let is_sine = asked.ramps == Ramps::SinSquared && motor.is_ending();
-    let is_gentler = asked.deceleration < motor.deceleration();
-    if is_sine && !is_gentler && target == Some(motor.destination()) {
+    // sin² braking for a target is finished as it was begun; for another one it is left, and so is what is no sin².
+    let own = motor.deceleration();
+    let is_finished = asked.ramps == Ramps::SinSquared
+        && motor.is_ending()
+        && deceleration >= own
+        && target == Some(motor.destination());
+    let first = if is_finished {
+        motor.stop_preview(own, asked.ramps, None)
+    } else {
+        rest(&asked)
+    };
+    if beyond(first) <= 0 {
         return as_asked;
     }
-    if beyond(rest(asked)) <= 0 {
-        return as_asked;
-    }
-    let hardest = hardest.max(motor.hardest()).max(asked.deceleration);
-    let ramp = Ramp {
-        deceleration: needed(speed, available)
-            .max(asked.deceleration)
-            .min(hardest),
+    let hardest = hardest.max(motor.hardest()).max(deceleration);
+    let mut ramp = Ramp {
+        limits: Limits {
+            deceleration: needed(speed, available).max(deceleration).min(hardest),
+            ..asked.limits
+        },
         ramps: Ramps::Linear,
     };
+    let mut past = beyond(rest(&ramp));
+    if past > 0 {
+        // On the limit what is available is part of a step.
+        ramp.limits.deceleration = hardest;
+        past = beyond(rest(&ramp));
+    }
     Braking {
         ramp,
         is_harder: true,
         // A stop ends on the next whole step.
-        passes: beyond(rest(ramp)) > 1,
+        passes: past > 1,
         hardest,
     }
 }

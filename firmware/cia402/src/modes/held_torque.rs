@@ -67,7 +67,7 @@ impl HeldTorque {
             >> 32;
         let rest = context
             .motor
-            .stop_preview(deceleration, Ramps::Linear, false);
+            .stop_preview(deceleration, Ramps::Linear, None);
         let end = rest.saturating_add(low::i64(distance));
         match sign {
             1 => end >= high,

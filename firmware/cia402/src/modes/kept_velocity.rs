@@ -182,17 +182,11 @@ fn begin(order: Order, motor: &mut Motor<impl Actuator>) -> (Keeping, i64) {
         stop(motor, limits.deceleration);
         return (Keeping::AtSwitch, 0);
     }
-    let asked = Ramp {
-        deceleration: limits.deceleration,
-        ramps,
-    };
+    let asked = Ramp { limits, ramps };
     let heading = motor.committed_velocity().bits().signum();
     let braking = braking::between(motor, Some(end_of(order)), travel, asked, quick_stop);
     motor.set_ramps(braking.ramp.ramps);
-    let limits = Limits {
-        deceleration: braking.ramp.deceleration,
-        ..limits
-    };
+    let limits = braking.ramp.limits;
     let end = end_of(order);
     let has_end = Travel::NONE.increments.0 < end && end < Travel::NONE.increments.1;
     let is_behind = if velocity.bits() > 0 {
@@ -204,7 +198,7 @@ fn begin(order: Order, motor: &mut Motor<impl Actuator>) -> (Keeping, i64) {
         let rest = if motor.standstill() {
             motor.destination()
         } else {
-            motor.stop_preview(limits.deceleration, braking.ramp.ramps, false)
+            motor.stop_preview(limits.deceleration, braking.ramp.ramps, None)
         };
         let is_ahead = if velocity.bits() > 0 {
             rest < end

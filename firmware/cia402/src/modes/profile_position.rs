@@ -316,7 +316,7 @@ impl ProfilePosition {
         let has_start_speed = context.habits().start_speed;
         let motor = &mut *context.motor;
         let asked = Ramp {
-            deceleration: set_point.limits.deceleration,
+            limits: set_point.limits,
             ramps: set_point.ramps,
         };
         motor.expect_acceleration(set_point.limits.acceleration);
@@ -332,12 +332,8 @@ impl ProfilePosition {
         let braking = braking::between(motor, target, travel, ramp, quick_stop);
         let braking = before.map_or(braking, |before| braking.after(before));
         self.is_held_back = braking.is_harder;
-        let ramp = braking.ramp;
-        motor.set_ramps(ramp.ramps);
-        let limits = Limits {
-            deceleration: ramp.deceleration,
-            ..set_point.limits
-        };
+        let Ramp { limits, ramps } = braking.ramp;
+        motor.set_ramps(ramps);
         let SetPoint {
             target,
             end_velocity,
@@ -427,7 +423,7 @@ fn rest(context: &Context<'_, impl Parts>, deceleration: u32) -> i64 {
     }
     let configuration = context.configuration;
     let deceleration = deceleration.min(configuration.max_deceleration);
-    motor.stop_preview(deceleration, configuration.profile.ramps, false)
+    motor.stop_preview(deceleration, configuration.profile.ramps, None)
 }
 
 /// How far the motor may go until it stands, in steps: no less than it really is, but for a ramp that is under way.

@@ -111,19 +111,31 @@ impl Draft {
     }
 
     /// Where the axis would come to rest, in whole steps, if it were told now to stop at `deceleration` steps/s² with these ramps. A sin² ramp under
-    /// way is finished if a stop is no harder than that; with `leaves` it is left, as it is for a target elsewhere. The draft is used up.
+    /// way is finished if a stop is no harder than that; it is left as an order with the limits of `leaves` leaves it, for a target elsewhere. The draft
+    /// is used up.
     ///
     /// # Errors
     /// As [`Axis::stop`].
-    pub fn stop_preview(&mut self, deceleration: u32, leaves: bool) -> Result<i64, PlanError> {
+    pub fn stop_preview(
+        &mut self,
+        deceleration: u32,
+        leaves: Option<&Limits>,
+    ) -> Result<i64, PlanError> {
         let (goal, limits) = Goal::stop(deceleration);
         let mut plan = Plan::at_rest(0, 0);
-        if leaves && !self.is_averaged() {
-            self.start.leave_ramp();
-            plan.make(self.clock, &self.start, goal, limits, self.ramps)?;
-            self.next = Next::Plan;
-        } else {
-            self.plan(&mut plan, goal, limits)?;
+        match leaves {
+            Some(order) if !self.is_averaged() => {
+                // They decide how soon the acceleration of now is brought to zero.
+                let limits = Limits {
+                    velocity: order.velocity.min(self.max_velocity),
+                    deceleration,
+                    ..*order
+                };
+                self.start.leave_ramp();
+                plan.make(self.clock, &self.start, goal, limits, self.ramps)?;
+                self.next = Next::Plan;
+            }
+            _ => self.plan(&mut plan, goal, limits)?,
         }
         let rest = match self.next {
             Next::Same => self.destination,
@@ -337,7 +349,7 @@ impl Axis {
         &self,
         deceleration: u32,
         ramps: Ramps,
-        leaves: bool,
+        leaves: Option<&Limits>,
     ) -> Result<i64, PlanError> {
         self.draft(ramps).stop_preview(deceleration, leaves)
     }

@@ -160,7 +160,7 @@ impl Actuator for Servo {
     fn destination(&self) -> i64 {
         match self.goal {
             Goal::Target(target, 0.0, _) => target,
-            Goal::Velocity(0.0, limits) => self.stop_preview(limits.deceleration, Ramps::Linear, false),
+            Goal::Velocity(0.0, limits) => self.stop_preview(limits.deceleration, Ramps::Linear, None),
             _ => self.committed_position(),
         }
     }
@@ -186,7 +186,7 @@ impl Actuator for Servo {
         if deceleration == 0 { Err(Refused) } else { self.take(Goal::Velocity(0.0, limits)) }
     }
 
-    fn stop_preview(&self, deceleration: u32, _: Ramps, _: bool) -> i64 {
+    fn stop_preview(&self, deceleration: u32, _: Ramps, _: Option<&Limits>) -> i64 {
         (self.position + self.velocity * self.velocity.abs() / 2.0 / f64::from(deceleration)) as i64
     }
 

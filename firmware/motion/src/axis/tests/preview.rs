@@ -40,7 +40,7 @@ proptest! {
             sink.play(ms(1) / 4);
         }
         let (before, ends) = (axis.target(), axis.plan.end());
-        let told = axis.stop_preview(1 << deceleration, then, false);
+        let told = axis.stop_preview(1 << deceleration, then, None);
         prop_assert_eq!((axis.target(), axis.plan.end()), (before, ends));
         axis.set_ramps(then);
         let result = axis.stop(1 << deceleration);
@@ -60,8 +60,8 @@ fn a_ramp_that_is_left_ends_further_away_than_one_that_is_finished() {
         sink.play(ms(1) / 4);
     }
     let end = |leaves| axis.stop_preview(T01.deceleration, Ramps::SinSquared, leaves);
-    assert_eq!(end(false), Ok(50_000));
-    assert!(end(true).unwrap() > 50_100);
-    let none = axis.stop_preview(0, Ramps::SinSquared, true);
+    assert_eq!(end(None), Ok(50_000));
+    assert!(end(Some(&T01)).unwrap() > 50_100);
+    let none = axis.stop_preview(0, Ramps::SinSquared, Some(&T01));
     assert_eq!(none, Err(PlanError::ZeroDeceleration));
 }
