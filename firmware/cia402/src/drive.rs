@@ -26,7 +26,7 @@ use crate::controlword::Command;
 use crate::cyclic::{MicrosQ16, micros_q16};
 use crate::exchange::{Actuals, Exchange, Share, TickResult, Waiting};
 use crate::faults::{EXTERNAL, Faults};
-use crate::inputs::{DigitalInputs, Switches};
+use crate::inputs::Switches;
 use crate::mode::Mode;
 use crate::modes::Modes;
 use crate::monitor::Monitor;
@@ -222,12 +222,11 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             self.command()
         };
         let (position, is_displaced) = self.look_at_motor(now, inputs, port);
-        let quiet = is_early.then(|| self.without_edges(inputs));
         let tick = &Tick {
             now,
             elapsed: self.elapse(is_early, now),
             is_early,
-            inputs: quiet.as_ref().unwrap_or(inputs),
+            inputs,
             position,
             is_displaced,
             has_changed: self.look_for_changes(waiting.is_configured, position),
@@ -280,7 +279,11 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         if !is_early {
             let cyclic = &self.configuration.cyclic;
             let mode = self.modes.active();
-            let wanted = Mode::among(Self::MODES, self.commands.mode).unwrap_or(mode);
+            let wanted = if self.commands.mode == mode.code() {
+                mode
+            } else {
+                Mode::among(Self::MODES, self.commands.mode).unwrap_or(mode)
+            };
             let keeps_records = Mode::InterpolatedPosition.is_among(Self::MODES);
             self.cyclic
                 .take(waiting, exchange, cyclic, (mode, wanted), keeps_records);
@@ -318,17 +321,6 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             self.motor.set_up(&self.configuration);
         }
         (position, is_displaced)
-    }
-
-    /// The levels of the digital inputs as the last regular tick has found them.
-    fn without_edges(&self, inputs: &Inputs) -> Inputs {
-        Inputs {
-            digital: DigitalInputs {
-                levels: self.switches.levels(),
-                ..DigitalInputs::NONE
-            },
-            ..*inputs
-        }
     }
 
     /// Microseconds since the last regular tick.

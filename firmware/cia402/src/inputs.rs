@@ -333,11 +333,6 @@ impl Switches {
         self.index = None;
     }
 
-    /// The bare levels in the last tick that has looked.
-    pub(crate) const fn levels(&self) -> u8 {
-        self.levels
-    }
-
     /// The directions in which there is a limit switch.
     pub(crate) const fn active_limits(&self) -> ActiveLimits {
         ActiveLimits {

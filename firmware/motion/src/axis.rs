@@ -260,7 +260,12 @@ impl Axis {
 
     /// What is being played now, if the sink still has `pending` ticks to play.
     pub fn demand(&self, pending: Ticks) -> Demand {
-        self.demand_of(self.trace.at(self.played(pending)))
+        self.demand_at(self.played(pending))
+    }
+
+    /// What is played at this tick of the axis' time, as far back as three segments.
+    pub fn demand_at(&self, played: Ticks) -> Demand {
+        self.demand_of(self.trace.at(played))
     }
 
     /// Something else has moved the motor: it is here, in whole steps (modulo 2³²), and the axis goes on with the velocity that it has. A motion is forgotten

@@ -206,7 +206,8 @@ impl<L: EmitterLock, S: PulseSink> AtPort<S> for StepAxis<L> {
             let (pending, axis) = (pulses.pending(), &emitter.axis);
             self.committed = unwrapped(axis.committed_position(), self.committed);
             self.at_rest = axis.is_at_rest();
-            (pending, axis.played(pending), axis.demand(pending))
+            let played = axis.played(pending);
+            (pending, played, axis.demand_at(played))
         });
         self.standstill = self.at_rest && pending == 0;
         self.demand = self.counted(demand);

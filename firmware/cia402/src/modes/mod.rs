@@ -210,7 +210,9 @@ enum ActiveMode {
 /// Which of the modes is at work.
 #[derive(Debug)]
 pub(crate) struct Modes {
-    mode: ActiveMode,
+    /// That of `state`.
+    mode: Mode,
+    state: ActiveMode,
     /// The active mode has given up its set-points, and the motor is slowing down.
     interrupted: bool,
     /// The ramp of 605Dh has been taken since then.
@@ -222,7 +224,8 @@ pub(crate) struct Modes {
 impl Modes {
     pub(crate) const fn new() -> Self {
         Self {
-            mode: ActiveMode::NoMode,
+            mode: Mode::NoMode,
+            state: ActiveMode::NoMode,
             interrupted: false,
             halted: false,
             homing_failure: homing::NO_FAILURE,
@@ -231,25 +234,15 @@ impl Modes {
 
     /// The mode that is at work (6061h).
     pub(crate) const fn active(&self) -> Mode {
-        match self.mode {
-            ActiveMode::NoMode => Mode::NoMode,
-            ActiveMode::ProfilePosition(_) => Mode::ProfilePosition,
-            ActiveMode::Velocity(_) => Mode::Velocity,
-            ActiveMode::ProfileVelocity(_) => Mode::ProfileVelocity,
-            ActiveMode::Homing(_) => Mode::Homing,
-            ActiveMode::InterpolatedPosition(_) => Mode::InterpolatedPosition,
-            ActiveMode::CyclicPosition(_) => Mode::CyclicPosition,
-            ActiveMode::CyclicVelocity(_) => Mode::CyclicVelocity,
-            ActiveMode::ProfileTorque(_) => Mode::ProfileTorque,
-            ActiveMode::CyclicTorque(_) => Mode::CyclicTorque,
-        }
+        self.mode
     }
 
     /// Another mode is at work, and has not begun.
     #[inline(never)]
     fn set(&mut self, mode: Mode) {
         self.homing_failure = self.homing_failure();
-        self.mode = match mode {
+        self.mode = mode;
+        self.state = match mode {
             Mode::NoMode => ActiveMode::NoMode,
             Mode::ProfilePosition => ActiveMode::ProfilePosition(ProfilePosition::new()),
             Mode::Velocity => ActiveMode::Velocity(Velocity::new()),
@@ -277,13 +270,13 @@ impl Modes {
 
     /// Whether the mode at work looks for the home position, and enforces the limit switches itself.
     pub(crate) const fn is_homing(&self) -> bool {
-        matches!(&self.mode, ActiveMode::Homing(homing) if homing.is_under_way())
+        matches!(&self.state, ActiveMode::Homing(homing) if homing.is_under_way())
             && !self.interrupted
     }
 
     /// 2034h:2: why homing failed last.
     pub(crate) const fn homing_failure(&self) -> u8 {
-        match &self.mode {
+        match &self.state {
             ActiveMode::Homing(homing) => homing.failure(),
             _ => self.homing_failure,
         }
@@ -292,7 +285,7 @@ impl Modes {
     /// A limit switch is stopping the motor: what the mode was after is not reached.
     #[inline(never)]
     pub(crate) fn limit_met(&mut self, motor: &Motor<impl Actuator>) {
-        match &mut self.mode {
+        match &mut self.state {
             ActiveMode::NoMode | ActiveMode::Homing(_) => {}
             ActiveMode::ProfilePosition(mode) => mode.limit_met(motor),
             ActiveMode::Velocity(mode) => mode.limit_met(motor),
@@ -317,7 +310,7 @@ impl Modes {
     /// Operation is enabled: the mode starts with no set-point and all its bits at rest.
     pub(crate) fn enter(&mut self, motor: &Motor<impl Actuator>) {
         self.interrupted = false;
-        match &mut self.mode {
+        match &mut self.state {
             ActiveMode::NoMode => {}
             ActiveMode::ProfilePosition(mode) => mode.enter(motor),
             ActiveMode::Velocity(mode) => mode.enter(),
@@ -333,7 +326,7 @@ impl Modes {
 
     /// The velocity that the motor is to keep for good, if that is what the mode at work is after.
     const fn kept_velocity(&self) -> Option<SignedSpeed> {
-        match &self.mode {
+        match &self.state {
             ActiveMode::ProfilePosition(mode) => mode.end_velocity(),
             ActiveMode::Velocity(mode) => mode.kept_velocity(),
             ActiveMode::ProfileVelocity(mode) => mode.kept_velocity(),
@@ -355,7 +348,8 @@ impl Modes {
             self.halted = false;
             self.slow_down(motor, ramp, commands, configuration);
         }
-        let halts = commands.controlword & HALT != 0 && !matches!(self.mode, ActiveMode::Homing(_));
+        let halts =
+            commands.controlword & HALT != 0 && !matches!(self.state, ActiveMode::Homing(_));
         if halts && !self.halted {
             self.halted = true;
             self.slow_down(motor, configuration.halt, commands, configuration);
@@ -377,7 +371,7 @@ impl Modes {
 
     /// Whether data records of interpolated position are kept: not outside of the mode, and not when what it was after is forgotten.
     pub(crate) const fn keeps_records(&self) -> bool {
-        matches!(self.mode, ActiveMode::InterpolatedPosition(_)) && !self.interrupted
+        matches!(self.state, ActiveMode::InterpolatedPosition(_)) && !self.interrupted
     }
 
     /// The bits of the statusword that a mode has outside of operation enabled: a master that asks whether home is known need not
@@ -388,7 +382,7 @@ impl Modes {
         configuration: &Configuration,
     ) -> u16 {
         let shows =
-            matches!(self.mode, ActiveMode::Homing(_)) && !configuration.homing.starts_afresh();
+            matches!(self.state, ActiveMode::Homing(_)) && !configuration.homing.starts_afresh();
         if shows && motor.is_referenced() {
             HOMING_ATTAINED
         } else {
@@ -413,7 +407,7 @@ impl Modes {
             self.set(wanted);
             context.mode = wanted;
             self.enter(context.motor);
-            if let ActiveMode::CyclicVelocity(mode) = &mut self.mode {
+            if let ActiveMode::CyclicVelocity(mode) = &mut self.state {
                 mode.go_on_with(kept);
             }
         } else if self.interrupted {
@@ -422,7 +416,7 @@ impl Modes {
         if !wanted.has_profile() {
             context.motor.set_ramps(Ramps::Linear);
         }
-        match &mut self.mode {
+        match &mut self.state {
             ActiveMode::ProfilePosition(mode) if has(Mode::ProfilePosition) => mode.tick(context),
             ActiveMode::Velocity(mode) if has(Mode::Velocity) => mode.tick(context),
             ActiveMode::ProfileVelocity(mode) if has(Mode::ProfileVelocity) => mode.tick(context),

@@ -13,7 +13,7 @@
 use motion::low;
 
 use crate::commands::Commands;
-use crate::outputs::{ALL, OutputConfiguration, OutputFunction};
+use crate::outputs::{ALL, COUNT, OutputConfiguration, OutputFunction};
 use crate::state_machine::State;
 use crate::statusword;
 
@@ -103,7 +103,8 @@ impl DigitalOutputs {
     /// The levels of the outputs, output 1 in bit 0.
     pub(crate) fn levels(&self, shown: &Shown, configuration: &OutputConfiguration) -> u8 {
         let mut levels = low::u8(self.set >> FIRST) & ALL;
-        if configuration.functions != OutputConfiguration::NONE.functions {
+        // As numbers they are one word; 0 is what the master sets.
+        if configuration.functions.map(|function| function as u8) != [0; COUNT] {
             let mut output = 1;
             for function in configuration.functions {
                 if function != OutputFunction::Manual {

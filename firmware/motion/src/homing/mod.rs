@@ -225,8 +225,9 @@ impl Homing {
         if !inputs.halt {
             self.time = self.time.saturating_add(inputs.elapsed.into());
         }
+        let longest = u64::from(self.settings.longest_time) * 1_000;
         if exceeds(self.travelled, self.settings.longest_distance)
-            || exceeds(self.time / 1000, self.settings.longest_time)
+            || longest != 0 && self.time >= longest + 1_000
         {
             return Err(Failure::TooLong);
         }
