@@ -140,6 +140,8 @@ impl<F: NorFlash> Log<F> {
     }
 
     /// The record that begins where `place` does.
+    // Out of line, as all that has a buffer: who calls it would have that on the stack as long as it runs.
+    #[inline(never)]
     pub fn record(&mut self, place: Range<u32>) -> Result<Option<Record>, Error<F::Error>> {
         let mut buffer = [0; BUFFER];
         let size = Self::size(0);
@@ -179,6 +181,7 @@ impl<F: NorFlash> Log<F> {
     }
 
     /// Whether a record was begun and not ended: the power was cut.
+    #[inline(never)]
     pub fn is_cut(&mut self, record: &Record) -> Result<bool, Error<F::Error>> {
         let word = u32::try_from(Self::WORD).unwrap_or(1);
         let mut buffer = [0; BUFFER];
@@ -223,6 +226,7 @@ impl<F: NorFlash> Log<F> {
     }
 
     /// Whether nothing was ever written here since it was erased.
+    #[inline(never)]
     pub fn is_erased(&mut self, place: Range<u32>) -> Result<bool, Error<F::Error>> {
         let mut at = place.start;
         let mut buffer = [0; BUFFER];

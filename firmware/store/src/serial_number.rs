@@ -22,6 +22,7 @@ impl<F: NorFlash> Store<F> {
     ///
     /// # Errors
     /// [`Error::Content`]: there is another one already. Otherwise as [`Store::save`].
+    #[inline(never)]
     pub fn save_serial_number(&mut self, number: u32) -> Result<(), Error<F::Error>> {
         let mut directory = self.found()?.directory;
         match directory.serial_number {

@@ -290,7 +290,7 @@ impl Axis {
             return false;
         }
         if !matches!(draft.next, Next::Same) {
-            self.plan.clone_from(plan);
+            self.plan.assign(plan);
         }
         self.go_on_with(draft);
         true
@@ -335,7 +335,7 @@ impl Axis {
         let mut plan = Plan::at_rest(0, 0);
         draft.plan_from_start_speed(&mut plan, goal, limits)?;
         if !matches!(draft.next, Next::Same) {
-            self.plan = plan;
+            self.plan.assign(&plan);
         }
         self.go_on_with(&draft);
         Ok(())

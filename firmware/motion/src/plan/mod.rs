@@ -281,6 +281,20 @@ impl Plan {
         Ok(())
     }
 
+    /// Takes over all of another plan, part by part: a copy of the whole would be on the stack as well.
+    pub(crate) fn assign(&mut self, from: &Self) {
+        self.frame = from.frame;
+        self.end = from.end;
+        self.pieces.clear();
+        // Both have the same room.
+        let _ = self.pieces.extend_from_slice(&from.pieces);
+        self.entered = from.entered;
+        self.rest = from.rest;
+        self.last_ramp = from.last_ramp;
+        self.order = from.order;
+        self.sixth_jerk = from.sixth_jerk;
+    }
+
     /// The first tick of the ramp to rest; the end, if the axis stands.
     pub(crate) const fn last_ramp(&self) -> Ticks {
         self.last_ramp

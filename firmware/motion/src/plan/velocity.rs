@@ -8,6 +8,8 @@ use crate::clock::Clock;
 use crate::speed::{SignedSpeed, Speed};
 
 /// Plans the ramp in a frame in which the velocity to reach is positive; for a stop, the one to leave.
+// Out of line: what it needs of the stack a move does not.
+#[inline(never)]
 pub(super) fn plan(
     plan: &mut Plan,
     clock: Clock,
