@@ -33,6 +33,7 @@ impl Angle {
     }
 
     /// This many turns; what is no number is none, and whole turns count for nothing up to 2³¹ of them.
+    #[inline(never)]
     pub fn from_turns(turns: f32) -> Self {
         Self((turns * 4_294_967_296.0) as i64 as u32)
     }

@@ -10,7 +10,7 @@
 
 use crate::filter::Filter;
 use crate::motor::{Implausible, Motor};
-use crate::number::{between, is_within, limit};
+use crate::number::{between, is_within, limit, within};
 
 /// The greatest position error that is told apart, in counts.
 const FARTHEST: i64 = 1 << 23;
@@ -193,8 +193,8 @@ impl Cascade {
     /// The current for this period, in A, within the limits.
     pub fn run(&mut self, demand: &Demand, actual: Actual, limits: Limits) -> f32 {
         self.compare(demand, actual);
-        let least = -between(limits.negative, 0.0, FASTEST);
-        let most = between(limits.positive, 0.0, FASTEST);
+        let least = -within(limits.negative, 0.0, FASTEST);
+        let most = within(limits.positive, 0.0, FASTEST);
         let at_once = self.at_once(demand);
         let growth = self.gains.integral * self.gains.velocity * self.period * self.inertia;
         let sum = self.sum + growth * self.velocity_error;
@@ -219,7 +219,7 @@ impl Cascade {
             let away = position.saturating_sub(actual.position);
             let away = away.clamp(-FARTHEST, FARTHEST) as i32 as f32;
             // The middle of a count is where the rotor is, as far as it is known.
-            self.count * (away + between(demand.part, 0.0, 1.0) - 0.5)
+            self.count * (away + within(demand.part, 0.0, 1.0) - 0.5)
         });
         let wanted = limit(demand.velocity, FASTEST) + self.gains.position * self.away;
         self.velocity_error = limit(wanted, FASTEST) - limit(actual.velocity, FASTEST);

@@ -24,7 +24,7 @@ use crate::Angle;
 use crate::field_weakening::FieldWeakening;
 use crate::modulation::Modulation;
 use crate::motor::{Implausible, Motor, Wiring};
-use crate::number::{between, is_within, limit, root};
+use crate::number::{is_within, limit, root, within};
 use crate::transform::{Rotor, Stator};
 
 /// The fastest electrical speed that is reckoned with, in rad/s.
@@ -149,7 +149,7 @@ impl Axis {
         let square = self.change * self.change;
         if square > self.telling {
             let response = self.response + TAKEN_OVER * self.change * away / square;
-            self.response = between(response, STIFFEST, SOFTEST);
+            self.response = within(response, STIFFEST, SOFTEST);
         }
         self.unknown = limit(self.unknown - self.learning * away, bus);
     }
@@ -344,37 +344,52 @@ impl CurrentLoop {
     /// Ends everything if a measured value is beyond its bounds or is no number.
     #[inline]
     fn check(&mut self, sample: &Sample) -> Result<(), Trip> {
+        let (least, most) = self.config.bus;
+        if self.is_held(sample)
+            && sample.bus >= least
+            && sample.bus <= most
+            && !matches!(self.state, State::Tripped(_))
+        {
+            return Ok(());
+        }
+        let found = self.cause(sample);
+        self.state = State::Tripped(found);
+        self.voltage = Rotor::ZERO;
+        Err(found)
+    }
+
+    /// Whether no current is above the trip.
+    #[inline]
+    fn is_held(&self, sample: &Sample) -> bool {
         let [a, b, c] = sample.currents;
         let trip = self.config.trip;
-        let is_held = a.abs() <= trip
-            && b.abs() <= trip
-            && (self.wiring == Wiring::TwoPhase || c.abs() <= trip);
-        let (least, most) = self.config.bus;
-        let found = match self.state {
-            State::Tripped(trip) => Err(trip),
+        a.abs() <= trip && b.abs() <= trip && (self.wiring == Wiring::TwoPhase || c.abs() <= trip)
+    }
+
+    /// Why it cannot go on.
+    #[cold]
+    fn cause(&self, sample: &Sample) -> Trip {
+        let [a, b, c] = sample.currents;
+        let is_held = self.is_held(sample);
+        match self.state {
+            State::Tripped(trip) => trip,
             // What goes out by one of three phases comes back by the others.
             _ if !is_held
                 && self.wiring == Wiring::ThreePhase
-                && (a + b + c).abs() > 0.5 * trip =>
+                && (a + b + c).abs() > 0.5 * self.config.trip =>
             {
-                Err(Trip::Short)
+                Trip::Short
             }
-            _ if !is_held => Err(Trip::OverCurrent),
-            _ if sample.bus > most => Err(Trip::OverVoltage),
-            _ if sample.bus >= least => Ok(()),
-            _ => Err(Trip::UnderVoltage),
-        };
-        if let Err(trip) = found {
-            self.state = State::Tripped(trip);
-            self.voltage = Rotor::ZERO;
+            _ if !is_held => Trip::OverCurrent,
+            _ if sample.bus > self.config.bus.1 => Trip::OverVoltage,
+            _ => Trip::UnderVoltage,
         }
-        found
     }
 
     /// Takes up what the model has not known of the last period.
     #[inline]
     fn learn(&mut self, current: Rotor, bus: f32) {
-        if self.state == State::Starting {
+        if matches!(self.state, State::Starting) {
             self.state = State::Running;
             (self.d.expected, self.q.expected) = (current.d, current.q);
         }

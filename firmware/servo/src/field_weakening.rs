@@ -2,7 +2,7 @@
 //!
 //! An integral of the square of the voltage: above nine tenths of the circle the current in d falls, below it comes back to 0.
 
-use crate::number::between;
+use crate::number::{limit, within};
 use crate::transform::Rotor;
 
 /// The share of the square of the circle above which the field is weakened: 0.9².
@@ -42,7 +42,8 @@ impl FieldWeakening {
         }
         let full = FULL * most * most;
         // Far beyond the circle it moves no faster than with nothing wanted it comes back.
-        let left = between((full - wanted.square()) / full, -1.0, 1.0);
-        self.current = between(self.current + RATE * self.most * left, -self.most, 0.0);
+        let left = limit((full - wanted.square()) / full, 1.0);
+        let current = self.current + RATE * self.most * left;
+        self.current = within(current, -self.most, 0.0);
     }
 }

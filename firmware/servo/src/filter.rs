@@ -72,6 +72,7 @@ impl Filter {
     }
 
     /// As if this had come for ever.
+    #[inline(never)]
     pub fn settle(&mut self, value: f32) {
         let value = limit(value, MOST);
         let [first, second, third] = self.ahead;

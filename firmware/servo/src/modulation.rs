@@ -7,7 +7,7 @@
 //! the sign of the current, bent to nothing below the ripple, where the current passes zero within a period.
 
 use crate::motor::{Implausible, Wiring};
-use crate::number::{between, is_within, limit};
+use crate::number::{greater, is_within, lesser, limit, within};
 use crate::transform::Stator;
 
 /// 1/√3: the share of the bus that three phases can have as their amplitude.
@@ -67,8 +67,7 @@ impl Modulation {
     pub fn widths(&self, voltage: Stator, currents: [f32; 3], by_bus: f32) -> [f32; 3] {
         let [a, b, c] = voltage.phases(self.wiring);
         let [ia, ib, ic] = currents;
-        let given_back =
-            |current: f32| self.lost * lesser(greater(current * self.by_ripple, -1.0), 1.0);
+        let given_back = |current: f32| self.lost * within(current * self.by_ripple, -1.0, 1.0);
         let (a, b) = (a * by_bus + given_back(ia), b * by_bus + given_back(ib));
         match self.wiring {
             Wiring::TwoPhase => [limit(a, self.reach), limit(b, self.reach), 0.0],
@@ -77,20 +76,10 @@ impl Modulation {
                 let (most, least) = (greater(a, greater(b, c)), lesser(a, lesser(b, c)));
                 let middle = 0.5 - 0.5 * (most + least);
                 let edge = 0.5 - 0.5 * self.reach;
-                [a, b, c].map(|phase| between(phase + middle, edge, 1.0 - edge))
+                [a, b, c].map(|phase| within(phase + middle, edge, 1.0 - edge))
             }
         }
     }
-}
-
-#[inline]
-fn greater(one: f32, other: f32) -> f32 {
-    if one > other { one } else { other }
-}
-
-#[inline]
-fn lesser(one: f32, other: f32) -> f32 {
-    if one < other { one } else { other }
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Numbers of 32 bits that stay numbers.
+//! Numbers of 32 bits that stay numbers. What is asked in many places is out of line, but for what a period of the current loop asks.
 
 /// The value within a bound on both sides; what is no number is 0. A bound below 0 or that is no number is 0 as well.
 #[inline]
@@ -8,11 +8,17 @@ pub fn limit(value: f32, bound: f32) -> f32 {
         return value;
     }
     let bound = if bound > 0.0 { bound } else { 0.0 };
-    between(value, -bound, bound)
+    if value > bound {
+        bound
+    } else if value < -bound {
+        -bound
+    } else {
+        0.0
+    }
 }
 
 /// The value from `least` to `most`; what is no number is what lies next to 0 there.
-#[inline]
+#[inline(never)]
 pub fn between(value: f32, least: f32, most: f32) -> f32 {
     if value > most {
         most
@@ -27,8 +33,26 @@ pub fn between(value: f32, least: f32, most: f32) -> f32 {
     }
 }
 
-/// Whether a value lies in a range; what is no number does not.
+/// The greater one; the other if one is no number.
 #[inline]
+pub fn greater(one: f32, other: f32) -> f32 {
+    if one > other { one } else { other }
+}
+
+/// The lesser one; the other if one is no number.
+#[inline]
+pub fn lesser(one: f32, other: f32) -> f32 {
+    if one < other { one } else { other }
+}
+
+/// The value from `least` to `most`; what is no number is `least`.
+#[inline]
+pub fn within(value: f32, least: f32, most: f32) -> f32 {
+    lesser(greater(value, least), most)
+}
+
+/// Whether a value lies in a range; what is no number does not.
+#[inline(never)]
 pub fn is_within(value: f32, least: f32, most: f32) -> bool {
     value >= least && value <= most
 }
@@ -36,12 +60,13 @@ pub fn is_within(value: f32, least: f32, most: f32) -> bool {
 /// The square root; 0 of what is below the least normal number, or is no number. Within 10⁻⁶ of it.
 ///
 /// Newton's steps for 1/√x, from a first guess by halving the exponent.
-#[inline]
+#[inline(never)]
 pub fn root(value: f32) -> f32 {
-    if value < f32::MIN_POSITIVE || !value.is_finite() {
+    let bits = value.to_bits();
+    if !(f32::MIN_POSITIVE.to_bits()..f32::INFINITY.to_bits()).contains(&bits) {
         return 0.0;
     }
-    let mut inverse = f32::from_bits(0x5F37_59DF - (value.to_bits() >> 1));
+    let mut inverse = f32::from_bits(0x5F37_59DF - (bits >> 1));
     for _ in 0..3 {
         inverse *= 1.5 - 0.5 * value * inverse * inverse;
     }
@@ -69,6 +94,7 @@ mod tests {
             }
         }
         assert_eq!(between(f32::NAN, 1.0, 2.0), 1.0);
+        assert_eq!(within(f32::NAN, -1.0, 2.0), -1.0);
         assert_eq!(between(f32::NAN, -2.0, -1.0), -1.0);
         assert_eq!(limit(1.5, 2.0), 1.5);
     }
