@@ -8,7 +8,7 @@ use crate::application::Application;
 use crate::cia301::nmt::Reset;
 use crate::cia301::parameters::{
     CHUNK, Job, PARAMETERS_LOST, PARAMETERS_REFUSED, ParameterSet, ParameterSets, ParameterStore,
-    Replay, Writer, loss, refusal,
+    Replay, Walk, Writer, loss, refusal,
 };
 use crate::cia301::sdo::{self, AbortCode, Others};
 use crate::od::{self, Dictionary, Entry};
@@ -82,6 +82,7 @@ impl<D: Dictionary> Node<D> {
 
     /// Ends a boot: what is stored takes the place of the power-on values, as far as it fits this device. What is damaged or
     /// does not fit is reported (6310h, 6320h). Does nothing if no boot waits for it.
+    #[inline(never)]
     pub fn load_parameters<S: ParameterStore, A: Application<D>>(
         &mut self,
         store: &mut S,
@@ -143,16 +144,7 @@ impl<D: Dictionary> Node<D> {
         let next = match self.services.parameters.job() {
             Job::Nothing | Job::Load(_) => return,
             Job::BeginSave(sets) => store.begin(sets).map(|()| Job::after(sets, None)),
-            Job::Save(sets, mut walk) => {
-                let mut chunk = [0; CHUNK];
-                let length = walk.fill(&self.dictionary, self.node_id.get(), &mut chunk);
-                match chunk.get(..length) {
-                    None | Some([]) => Ok(Job::after(sets, Some(walk.set))),
-                    Some(chunk) => store
-                        .append(walk.set, chunk)
-                        .map(|()| Job::Save(sets, walk)),
-                }
-            }
+            Job::Save(sets, walk) => self.save_chunk(store, sets, walk),
             Job::Commit(sets) => store.commit().map(|()| {
                 self.services.parameters.saved(sets == ParameterSets::ALL);
                 if sets == ParameterSets::ALL {
@@ -170,6 +162,26 @@ impl<D: Dictionary> Node<D> {
             Ok(Job::Nothing) => self.end_storing(Ok(())),
             Ok(job) => self.services.parameters.set_job(job),
             Err(error) => self.end_storing(Err(error.into())),
+        }
+    }
+
+    /// Hands over the next chunk.
+    // Out of line, as loading is: the chunk is on the stack only as long as there is one.
+    #[inline(never)]
+    fn save_chunk<S: ParameterStore>(
+        &self,
+        store: &mut S,
+        sets: ParameterSets,
+        mut walk: Walk,
+    ) -> Result<Job, StoreError> {
+        let mut chunk = [0; CHUNK];
+        let length = walk.fill(&self.dictionary, self.node_id.get(), &mut chunk);
+        match chunk.get(..length) {
+            None | Some([]) => Ok(Job::after(sets, Some(walk.set))),
+            Some(chunk) => {
+                store.append(walk.set, chunk)?;
+                Ok(Job::Save(sets, walk))
+            }
         }
     }
 
