@@ -70,15 +70,6 @@ struct Search {
 }
 
 impl Search {
-    /// What the engine is told.
-    fn inputs(&self, context: &Context<'_, impl Parts>) -> Inputs {
-        let inputs = inputs(context);
-        Inputs {
-            position: inputs.position.wrapping_sub(self.shift),
-            ..inputs
-        }
-    }
-
     /// From now on the engine's position `home` has its name.
     fn set_home(&mut self, context: &mut Context<'_, impl Parts>, home: i32) {
         let method = Method::from_code(self.configuration.method);
@@ -173,7 +164,12 @@ impl Homing {
             return self.fail(NO_METHOD);
         };
         let fitted = fitted(&context.configuration.inputs, context.blocked.is_some());
-        match engine::Homing::begin(method, configuration.settings(), fitted, &inputs(context)) {
+        match engine::Homing::begin(
+            method,
+            configuration.settings(),
+            fitted,
+            &inputs(context, 0),
+        ) {
             Ok(engine) => {
                 self.progress = Progress::UnderWay(Search {
                     engine,
@@ -191,7 +187,7 @@ impl Homing {
         let Progress::UnderWay(search) = &mut self.progress else {
             return;
         };
-        match search.engine.tick(&search.inputs(context)) {
+        match search.engine.tick(&inputs(context, search.shift)) {
             Outcome::UnderWay(order) => {
                 if carry_out(order, search, context).is_err() {
                     self.interrupt(context);
@@ -250,11 +246,11 @@ impl Homing {
     }
 }
 
-/// What the engine is told, in the master's count.
-fn inputs(context: &Context<'_, impl Parts>) -> Inputs {
+/// What the engine is told, where the master's count has `shift` beyond its own.
+fn inputs(context: &Context<'_, impl Parts>, shift: i32) -> Inputs {
     Inputs {
         elapsed: context.elapsed,
-        position: low::i32(context.position),
+        position: low::i32(context.position).wrapping_sub(shift),
         standstill: context.motor.standstill(),
         halt: context.is_held(),
         negative_limit: context.switches.negative_limit.state,
