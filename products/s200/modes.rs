@@ -2,7 +2,8 @@
 //! what an object of CiA 402 says (OPMODE, NREF and DREF).
 //!
 //! The manual gives no units. Those of its series: VLIM, VLIMP, VLIMN, VOSPD and VSCALE1 are 1/min, VSCALE1 at 10 V; PVMAX, PVMAXP, PVMAXN and VJOG
-//! are velocity units as 6081h; ANDB is mV. A limit of 0 is none.
+//! are velocity units as 6081h; ANDB is mV. A limit of 0 is none. Chosen: CmdSrc 1 gives the velocity of
+//! mode 80h to the analogue input; EXTLATCH 1 latches at the zero pulse.
 
 use canopen::cia301::sdo::AbortCode;
 use canopen::od::{Dictionary, Entry};

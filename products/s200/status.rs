@@ -2,6 +2,10 @@
 //!
 //! The manual describes no bit of STAT, DRVSTAT and TRJSTAT. As in its series DRVSTAT are the warnings of 2000h, TRJSTAT is 1002h; bit 5 of STAT
 //! tells that the drive has started anew, until CLRHR.
+//!
+//! Of others it has the names alone. Chosen: CLRWARN 1 keeps a warning until CLRFAULT or bit 7 of the controlword; buErrcode is the code of a fault of the power stage
+//! (2000h to 5FFFh), ocErrcode that of any other; FltDiag 1 or 2 is the output that flashes the number of the fault; an error of feedback, EEPROM or converter ends with
+//! a cold start.
 
 use canopen::Instant;
 use canopen::od::{Dictionary, Entry};
