@@ -116,7 +116,7 @@ impl Orders {
             }
             (0x4000, 4) => asks.order = Some((0x1011, 1)),
             (0x4000, 5) => asks.order = Some((0x1010, 1)),
-            (0x4000, 6 | 7) => self.cold_start = seen.at.checked_add_duration(ANSWER_TIME),
+            (0x4000, 6 | 7) => self.start_anew(seen),
             _ => return,
         }
         if entry.index == 0x4000 {
@@ -129,6 +129,11 @@ impl Orders {
     /// Whether a command has begun homing and it goes on.
     pub(super) fn is_homing(&self) -> bool {
         self.homing != Homing::None
+    }
+
+    /// A cold start, once the master has its answer.
+    pub(super) fn start_anew(&mut self, seen: &Seen) {
+        self.cold_start = seen.at.checked_add_duration(ANSWER_TIME);
     }
 
     /// Homing begins as by MH.

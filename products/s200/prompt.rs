@@ -8,7 +8,7 @@
 
 use canopen::cia301::sdo::AbortCode;
 use canopen::od::{self, Attributes, Dictionary, Entry};
-use cia402::behaviour::{Asks, number};
+use cia402::behaviour::number;
 
 const PROMPT: u16 = 0x1026;
 /// Characters of a line.
@@ -38,6 +38,8 @@ pub(super) struct Prompt {
     line: [u8; ROOM],
     length: usize,
     is_busy: bool,
+    /// What a line is to write, which nobody has taken yet.
+    order: Option<(u16, u8, i64)>,
     answer: [u8; 16],
     /// How much of it was read, and its end.
     read: usize,
@@ -56,17 +58,12 @@ impl Prompt {
         Ok(())
     }
 
-    pub(super) fn written<D: Dictionary>(
-        &mut self,
-        dictionary: &D,
-        entry: &Entry,
-        asks: &mut Asks,
-    ) {
+    pub(super) fn written<D: Dictionary>(&mut self, dictionary: &D, entry: &Entry) {
         if (entry.index, entry.sub) != (PROMPT, 1) {
             return;
         }
         match u8::try_from(number(dictionary, PROMPT, 1)).unwrap_or(0) {
-            b'\r' => self.carry_out(dictionary, asks),
+            b'\r' => self.carry_out(dictionary),
             b'\n' => {}
             character => {
                 if let Some(place) = self.line.get_mut(self.length) {
@@ -90,16 +87,22 @@ impl Prompt {
         Some(character.into())
     }
 
+    /// What a line is to write.
+    pub(super) const fn order(&mut self) -> Option<(u16, u8, i64)> {
+        self.order.take()
+    }
+
     /// What the write of a line has come to.
     pub(super) fn wrote(&mut self, result: Result<(), AbortCode>) {
         // What others have written is not a line's.
-        if !core::mem::take(&mut self.is_busy) {
+        if !self.is_busy || self.order.is_some() {
             return;
         }
+        self.is_busy = false;
         self.give(result.map_or_else(Answer::Refused, |()| Answer::Done));
     }
 
-    fn carry_out<D: Dictionary>(&mut self, dictionary: &D, asks: &mut Asks) {
+    fn carry_out<D: Dictionary>(&mut self, dictionary: &D) {
         let line = self.line.get(..self.length).unwrap_or_default();
         let line = core::str::from_utf8(line).unwrap_or("?");
         let mut words = line.split([' ', '=']).filter(|word| !word.is_empty());
@@ -118,7 +121,7 @@ impl Prompt {
                         Answer::Number(number(dictionary, entry.index, entry.sub))
                     }
                     value => {
-                        asks.write = Some((entry.index, entry.sub, value.unwrap_or(1)));
+                        self.order = Some((entry.index, entry.sub, value.unwrap_or(1)));
                         self.is_busy = true;
                         return;
                     }

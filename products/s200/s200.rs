@@ -177,7 +177,9 @@ impl Module {
         if rises & 1 << 7 != 0 {
             self.tell(None);
             self.status.clear_warnings();
-            self.asks.reset |= self.status.needs_cold_start();
+            if self.status.needs_cold_start() {
+                self.orders.start_anew(&self.seen);
+            }
         }
         if self.seen.is_enabled && self.seen.mode == 6 && rises & NEW_SET_POINT != 0 {
             self.reference.begin(dictionary, &self.seen, &mut self.asks);
@@ -286,7 +288,7 @@ impl Behaviour for Module {
             .written(dictionary, entry, &seen, &mut self.asks);
         self.modes.written(dictionary, entry, &seen, &mut self.asks);
         gearing::written(dictionary, entry);
-        self.prompt.written(dictionary, entry, &mut self.asks);
+        self.prompt.written(dictionary, entry);
         if self.servo.written(dictionary, entry) {
             self.asks.configuration = true;
         }
@@ -398,6 +400,11 @@ impl Behaviour for Module {
     }
 
     fn asks(&mut self) -> Asks {
-        core::mem::take(&mut self.asks)
+        let mut asks = core::mem::take(&mut self.asks);
+        // One write at a time.
+        if asks.write.is_none() {
+            asks.write = self.prompt.order();
+        }
+        asks
     }
 }

@@ -1,6 +1,6 @@
 //! What feeds the drive and what it bears: bus voltage, regeneration, mains, temperatures.
 //!
-//! The manual has names alone. Chosen, after its series:
+//! The manual has names alone. Chosen:
 //! - VBUSBAL is the line voltage in volts; VBUSMAX, one and a half times as much, is where the bus is too high (F02). The regeneration resistor is on
 //!   from nine tenths of that. 0 is none of this.
 //! - PBALRES 0 is a resistor of 33 Ω, 1 one of 15 Ω. PBAL is its power in watts, the mean of about a second: beyond PBALMAX n02, beyond

@@ -101,6 +101,16 @@ fn roffsabs_is_the_offset_of_a_position_that_is_taken() {
     assert_eq!(bench.read(NODE, 0x35E7, 1), 500, "ROFFS is as before");
     home(&mut bench, -2);
     assert_eq!(position(&mut bench).abs(), 7_500);
+    // By text, whose write is another one's at the same time.
+    bench.write(NODE, 0x6098, 0, &[35]);
+    command(&mut bench, 0x0F);
+    for byte in *b"MH\r" {
+        bench.write(NODE, 0x1026, 1, &[byte]);
+    }
+    bench.run(300);
+    assert_eq!(bench.read(NODE, 0x1026, 2) as u8, b'O', "OK");
+    assert_eq!(position(&mut bench).abs(), 7_500);
+    assert_eq!(bench.read(NODE, 0x35E7, 1), 500);
 }
 
 /// AUTOHOME homes when the motor is enabled without a reference; REFLS takes the limit switch for the reference switch.

@@ -41,10 +41,7 @@ fn some_errors_end_with_a_cold_start() {
         let told = bench.read(NODE, 0x1002, 0) >> 24 & 1;
         assert_eq!(told, u32::from(is_cold), "{code:04X}h");
         bench.sent.clear();
-        bench.send(&canopen::Frame::full(
-            0x604,
-            [0x2B, 0x40, 0x60, 0, 0x80, 0, 0, 0],
-        ));
+        command(&mut bench, 0x80);
         let boots = bench.next(0x704, 500).is_some();
         assert_eq!(boots, is_cold, "{code:04X}h");
         bench.run(200);
