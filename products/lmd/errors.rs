@@ -80,7 +80,7 @@ impl Plausibility {
         told: &mut Told,
     ) -> bool {
         let is_first = self.at == 0;
-        if !is_first && at - self.at < PERIOD {
+        if !is_first && at.saturating_sub(self.at) < PERIOD {
             return false;
         }
         let wanted = demand.abs_diff(self.demand);

@@ -3,7 +3,7 @@
 use sim::plant::{Index, Switch, Track};
 
 use crate::bench::Bench;
-use crate::steer::{NODE, command, enabled, enabled_on, number, position, statusword, way};
+use crate::steer::{NODE, begin, command, enabled, enabled_on, number, position, statusword, way};
 
 /// The encoder turns with so many counts/s from now on.
 fn turn(bench: &mut Bench, speed: i64) {
@@ -149,5 +149,34 @@ fn the_index_pulse_of_the_lmd_counts_elsewhere() {
             at_index.abs_diff(-offset) <= 1,
             "{method}, {offset}: {at_index}"
         );
+    }
+}
+
+/// 2033h:3: a pulse at the capture input that is shorter than its filter is passed over, wherever it lies between two control ticks.
+#[test]
+fn the_capture_input_of_the_lmd_is_filtered() {
+    let filters = [50, 150, 200, 300, 500, 900, 1_700, 3_300, 6_500, 12_900_u32];
+    for (filter, time) in (0_u8..).zip(filters) {
+        for (width, place) in [(1, 50_000), (2, 50_433), (5, 50_867), (1, 51_300)] {
+            let probe = Track {
+                probes: [Some(Switch::within(place..=place + width - 1)), None],
+                ..Track::default()
+            };
+            let mut bench = enabled_on("lmd", 1, probe);
+            bench.write(NODE, 0x2033, 3, &[filter]);
+            bench.write(NODE, 0x2033, 1, &[1]);
+            // 2 us for a step.
+            begin(&mut bench, 150_000, 500_000, 10_000_000);
+            bench.run(600);
+            let is_longer = width as u32 * 2_000 >= time;
+            assert_eq!(
+                bench.read(NODE, 0x2033, 2) == 1,
+                is_longer,
+                "{filter}: {width} at {place}"
+            );
+            if is_longer {
+                assert_eq!(i64::from(bench.read(NODE, 0x2033, 4)), place);
+            }
+        }
     }
 }

@@ -53,7 +53,7 @@ const fn known(owner: Owner, name: &'static str, kind: Kind) -> Known {
 }
 
 /// Every habit.
-pub static KNOWN: [Known; 35] = [
+pub static KNOWN: [Known; 37] = [
     known(Owner::Node, "node_id", Kind::NodeId),
     known(Owner::Node, "bit_rate", Kind::BitRate),
     known(Owner::Node, "node_id_at_once", Kind::Flag),
@@ -84,6 +84,8 @@ pub static KNOWN: [Known; 35] = [
     known(Owner::Drive, "lock_is_bit_8", Kind::Flag),
     known(Owner::Drive, "velocity_in_rpm", Kind::Flag),
     known(Owner::Drive, "velocity_has_polarity", Kind::Flag),
+    known(Owner::Drive, "home_switch_elsewhere", Kind::Flag),
+    known(Owner::Drive, "compares_positions", Kind::Flag),
     known(Owner::Network, "node_id_object", Kind::Object),
     known(Owner::Network, "bit_rate_object", Kind::Object),
     known(Owner::Network, "bit_rate_numbers", Kind::BitRates),

@@ -56,6 +56,10 @@ pub struct Habits {
     pub velocity_in_rpm: bool,
     /// Bit 6 of 607Eh turns velocity mode around too.
     pub velocity_has_polarity: bool,
+    /// Its module may tell the level of the home switch in place of an input.
+    pub home_switch_elsewhere: bool,
+    /// Its module has an output that rises at positions.
+    pub compares_positions: bool,
 }
 
 impl Habits {
@@ -73,5 +77,7 @@ impl Habits {
         lock_is_bit_8: false,
         velocity_in_rpm: false,
         velocity_has_polarity: false,
+        home_switch_elsewhere: false,
+        compares_positions: false,
     };
 }

@@ -42,6 +42,8 @@ macro_rules! every_parameter {
                 /// The inputs that are active while they are low; input `n` is bit `n − 1`.
                 setting InputsInverted inputs_inverted 0x2032:0 u8 = 0, "";
                 setting InputDebounce input_debounce 0x2033:0 u8 = 0, "ms";
+                /// Touch probes pass over an edge whose level does not last so long.
+                setting CaptureFilter capture_filter 0x2033:1 u16 = 0, "ns" => capture_filter: plain;
                 /// 0 no sync events, 1 the loop is settling, 2 locked.
                 shown SyncState set_sync_state 0x2050:1 u8 = _, "";
                 shown SyncPeriod set_sync_period 0x2050:2 u32 = _, "ns";

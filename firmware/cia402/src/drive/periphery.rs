@@ -34,7 +34,9 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         let configuration = &self.configuration.inputs;
         let mut digital = &tick.inputs.digital;
         let mut told;
-        if let Some(is_high) = self.commands.home_switch {
+        if D::DRIVE_HABITS.home_switch_elsewhere
+            && let Some(is_high) = self.commands.home_switch
+        {
             told = *digital;
             told.changed &= !configuration.home;
             told.levels &= !configuration.home;
@@ -129,7 +131,10 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
 
     /// Where an output is to rise, in the count of the board.
     pub(super) fn compare(&self) -> Option<Compare> {
-        let compare = self.commands.compare?;
+        let compare = self
+            .commands
+            .compare
+            .filter(|_| D::DRIVE_HABITS.compares_positions)?;
         let count = self.motor.count(compare.position.into());
         Some(Compare {
             position: count.board_position(),

@@ -12,6 +12,7 @@
 //!   whether an input of it is inverted (2032h); an edge that is no longer sampled starts anew alone. Positions and times keep their last values.
 //! - Every edge that is sampled counts in 60D5h to 60D8h, whether or not it is kept.
 //! - An input with a change that was not captured (a board that cannot) counts as an edge in the tick that sees it.
+//! - With a filter (2033h:1, in nanoseconds, where a data sheet has it) an edge counts whose level lasts so long; it is known a tick later if need be.
 //! - A source that no input has leaves the probe off: bit 0 (8) of 60B9h stays 0.
 //!
 //! Probes look at the captured edges that homing looks at, and take none away from it.
@@ -25,7 +26,7 @@ use motion::low;
 use crate::commands::Commands;
 use crate::configuration::Configuration;
 use crate::copied::copy_fields;
-use crate::inputs::{Count, DigitalInputs, Edge, Edges, InputConfiguration, SOURCE, Source};
+use crate::inputs::{Count, DigitalInputs, Edge, Edges, SOURCE, Source};
 
 use look::Look;
 
@@ -77,6 +78,8 @@ struct Sampler {
     position: i64,
     time: u32,
     counter: u16,
+    /// An edge at the end of a tick, whose level has not lasted long enough yet.
+    held: Option<Edge>,
 }
 
 impl Sampler {
@@ -86,6 +89,38 @@ impl Sampler {
             position: 0,
             time: 0,
             counter: 0,
+            held: None,
+        }
+    }
+
+    /// The edges whose level lasts for the filter, of the last ones of a tick; `back` are those away from it. `now` is the time in nanoseconds.
+    fn filtered(
+        &mut self,
+        edges: Option<Edges>,
+        back: Option<Edges>,
+        filter: u32,
+        now: u32,
+    ) -> Option<Edges> {
+        let until = |edge: Edge| {
+            let back = back.map(|back| [back.first, back.last]);
+            let left = back.into_iter().flatten().find_map(|back| {
+                let span = back.time.wrapping_sub(edge.time);
+                (span.cast_signed() >= 0).then_some(span)
+            });
+            left.unwrap_or(u32::MAX)
+        };
+        let held = self.held.take().filter(|held| until(*held) >= filter);
+        let last = edges.map(|edges| edges.last);
+        let last = last.filter(|last| until(*last) >= filter);
+        let lasts = last.filter(|last| now.wrapping_sub(last.time) >= filter);
+        self.held = last.filter(|_| lasts.is_none());
+        match (held, lasts) {
+            (Some(held), Some(lasts)) => {
+                let mut both = Edges::one(held);
+                both.add(lasts);
+                Some(both)
+            }
+            (one, other) => one.or(other).map(Edges::one),
         }
     }
 
@@ -135,6 +170,7 @@ impl Probe {
         let mut bit = POSITIVE;
         for sampler in &mut self.samplers {
             sampler.is_stored &= !starts_anew && function & bit != 0;
+            sampler.held = sampler.held.filter(|_| !starts_anew);
             bit <<= 1;
         }
         self.function = function;
@@ -169,6 +205,8 @@ pub(crate) struct TouchProbes {
     levels: u8,
     inputs: [u8; 4],
     is_news: bool,
+    /// An edge waits for its filter.
+    is_held: bool,
 }
 
 impl TouchProbes {
@@ -181,6 +219,7 @@ impl TouchProbes {
             levels: 0,
             inputs: [0; 4],
             is_news: false,
+            is_held: false,
         }
     }
 
@@ -199,8 +238,8 @@ impl TouchProbes {
             return;
         }
         let changed = (inputs.levels ^ before) | inputs.changed;
-        if changed != 0 {
-            self.sample(now, inputs, before, &configuration.inputs, count);
+        if changed != 0 || self.is_held {
+            self.sample(now, inputs, before, configuration, count);
         }
         self.follow(commands, configuration);
     }
@@ -292,9 +331,12 @@ impl TouchProbes {
         now: Instant,
         inputs: &DigitalInputs,
         before: u8,
-        configuration: &InputConfiguration,
+        configuration: &Configuration,
         count: Count,
     ) {
+        let filter = u32::from(configuration.capture_filter);
+        let configuration = &configuration.inputs;
+        self.is_held = false;
         let look = Look {
             inputs,
             before: before ^ configuration.inverted,
@@ -313,11 +355,17 @@ impl TouchProbes {
             let is_continuous = probe.function & CONTINUOUS != 0;
             let mut bit = POSITIVE;
             for (sampler, to_active) in probe.samplers.iter_mut().zip([true, false]) {
-                if probe.function & bit != 0
-                    && let Some(edges) = look.edges(probe.mask, to_active)
-                {
-                    sampler.store(&edges, is_continuous, count);
-                    self.is_news = true;
+                if probe.function & bit != 0 {
+                    let mut edges = look.edges(probe.mask, to_active);
+                    if filter != 0 {
+                        let back = look.edges(probe.mask, !to_active);
+                        edges = sampler.filtered(edges, back, filter, look.now.time);
+                        self.is_held |= sampler.held.is_some();
+                    }
+                    if let Some(edges) = edges {
+                        sampler.store(&edges, is_continuous, count);
+                        self.is_news = true;
+                    }
                 }
                 bit <<= 1;
             }

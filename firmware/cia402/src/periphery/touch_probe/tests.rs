@@ -3,6 +3,7 @@
 use proptest::prelude::*;
 
 use super::*;
+use crate::inputs::InputConfiguration;
 use crate::inputs::probe_functions;
 use crate::inputs::{self, Captured};
 
