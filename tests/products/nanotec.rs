@@ -213,8 +213,6 @@ fn the_brake_of_the_nanotec_has_three_delays() {
     bench.write(NODE, 0x6060, 0, &[2]);
     bench.write(NODE, 0x6042, 0, &[100, 0]);
     command(&mut bench, 0x06);
-    command(&mut bench, 0x07);
-    bench.run(10);
     command(&mut bench, 0x0F);
     let mut times = [None; 3];
     for time in 0..800 {
@@ -236,7 +234,7 @@ fn the_brake_of_the_nanotec_has_three_delays() {
     assert!((299..=345).contains(&(moves - open)), "{times:?}");
     command(&mut bench, 0x10F);
     bench.run(2_000);
-    command(&mut bench, 0x07);
+    command(&mut bench, 0x06);
     let (mut closed, mut time) = (None, 0);
     while bench.drive.plant_mut().is_energised() {
         if !bench.drive.plant_mut().is_brake_open() {
@@ -270,4 +268,67 @@ fn outputs_of_the_nanotec_tell_of_the_drive() {
     number(&mut bench, 0x60FE, 1, 0x0002_0000);
     bench.run(20);
     assert_eq!(outputs(&mut bench), 0b110);
+}
+
+/// Bit 4 is 1 while there is current in the motor: from switched on on, where the brake opens, until it has closed again.
+#[test]
+fn the_nanotec_has_current_from_switched_on_on() {
+    let mut bench = Bench::node("nanotec", NODE);
+    bench.write(NODE, 0x2007, 3, &150_u16.to_le_bytes());
+    bench.write(NODE, 0x6060, 0, &[1]);
+    let seen = |bench: &mut Bench| {
+        bench.run(30);
+        let shown = statusword(bench) >> 4 & 1 == 1;
+        let plant = bench.drive.plant_mut();
+        [
+            shown,
+            plant.current() != 0,
+            plant.is_energised(),
+            plant.is_brake_open(),
+        ]
+    };
+    for (controlword, has_current) in [
+        (0x00, false),
+        (0x06, false),
+        (0x07, true),
+        (0x0F, true),
+        (0x07, true),
+    ] {
+        command(&mut bench, controlword);
+        assert_eq!(seen(&mut bench), [has_current; 4], "{controlword:02X}h");
+    }
+    command(&mut bench, 0x06);
+    assert_eq!(seen(&mut bench), [true, true, true, false]);
+    assert_eq!(statusword(&mut bench) & 0x6F, 0x23);
+    bench.run(150);
+    assert_eq!(seen(&mut bench), [false; 4]);
+    assert_eq!(statusword(&mut bench) & 0x6F, 0x21);
+    // What is to be quick does not wait for the brake.
+    for command_now in [0x00, 0x02] {
+        for controlword in [0x06, 0x07, command_now] {
+            command(&mut bench, controlword);
+            bench.run(30);
+        }
+        assert_eq!(seen(&mut bench), [false; 4]);
+        assert_eq!(statusword(&mut bench) & 0x4F, 0x40);
+    }
+    // Nor does a reset, and neither leaves current behind it.
+    for reset in [0x82, 0x81] {
+        for controlword in [0x06, 0x07] {
+            command(&mut bench, controlword);
+            bench.run(30);
+        }
+        assert_eq!(seen(&mut bench), [true; 4]);
+        bench.sent.clear();
+        bench.send(&Frame::data_frame(0, &[reset, NODE]));
+        assert!(bench.next(0x704, 500).is_some(), "it has booted");
+        assert_eq!(seen(&mut bench), [false; 4]);
+    }
+    // A fault takes it away too.
+    for controlword in [0x06, 0x07] {
+        command(&mut bench, controlword);
+        bench.run(30);
+    }
+    bench.drive.plant_mut().fault = Some(0x2310);
+    assert!(!seen(&mut bench)[2]);
 }

@@ -53,7 +53,7 @@ const fn known(owner: Owner, name: &'static str, kind: Kind) -> Known {
 }
 
 /// Every habit.
-pub static KNOWN: [Known; 37] = [
+pub static KNOWN: [Known; 38] = [
     known(Owner::Node, "node_id", Kind::NodeId),
     known(Owner::Node, "bit_rate", Kind::BitRate),
     known(Owner::Node, "node_id_at_once", Kind::Flag),
@@ -74,6 +74,7 @@ pub static KNOWN: [Known; 37] = [
     known(Owner::Node, "missing_mapped_object", Kind::OtherAbortCode),
     known(Owner::Node, "mapping_too_long", Kind::AbortCode),
     known(Owner::Drive, "voltage_needs_power", Kind::Flag),
+    known(Owner::Drive, "power_when_switched_on", Kind::Flag),
     known(Owner::Drive, "quick_stop_bit_while_disabled", Kind::Flag),
     known(Owner::Drive, "is_always_remote", Kind::Flag),
     known(Owner::Drive, "third_set_point_replaces", Kind::Flag),

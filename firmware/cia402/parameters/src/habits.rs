@@ -34,6 +34,8 @@ impl NetworkObjects {
 pub struct Habits {
     /// Bit 4 of the statusword is 1 from switched on on, and not as soon as there is a supply.
     pub voltage_needs_power: bool,
+    /// There is current in the motor from switched on on, and the brake opens then; else from operation enabled on.
+    pub power_when_switched_on: bool,
     /// Bit 5 of the statusword is 1 in switch on disabled: no quick stop is active. CiA 402-2 leaves it open there.
     pub quick_stop_bit_while_disabled: bool,
     /// Bit 9 of the statusword is 1 whatever the network does.
@@ -66,6 +68,7 @@ impl Habits {
     /// As CiA 402-2 says.
     pub const STANDARD: Self = Self {
         voltage_needs_power: false,
+        power_when_switched_on: false,
         quick_stop_bit_while_disabled: false,
         is_always_remote: false,
         third_set_point_replaces: false,

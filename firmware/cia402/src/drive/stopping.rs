@@ -37,7 +37,14 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
     /// Whether the state is about to be left with the power going off, once the motor stands.
     pub(super) fn is_leaving(&self, remote: bool, command: Option<Command>) -> bool {
         match self.machine.state() {
-            State::OperationEnabled => matches!(self.leaving(command), Some(Stop::Ramp(_))),
+            State::OperationEnabled => {
+                let keeps = D::DRIVE_HABITS.power_when_switched_on;
+                let is_kept = keeps && command == Some(Command::SwitchOn);
+                !is_kept && matches!(self.leaving(command), Some(Stop::Ramp(_)))
+            }
+            State::SwitchedOn => {
+                D::DRIVE_HABITS.power_when_switched_on && command == Some(Command::Shutdown)
+            }
             State::QuickStopActive => !remote || !self.machine.quick_stop().stays(),
             State::FaultReactionActive => true,
             _ => false,

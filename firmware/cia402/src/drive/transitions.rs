@@ -39,10 +39,14 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             return;
         }
         let is_over = self.motor.standstill() && self.is_held_by_brake(now, remote, command);
+        // Where a motor that is only switched on has current, that goes behind its brake.
+        let waits = D::DRIVE_HABITS.power_when_switched_on
+            && self.machine.state() == State::SwitchedOn
+            && !is_over;
         let has_shown = self.has_shown(tick);
         let reset = self.resets_fault(is_over, has_shown, reaction.is_some());
         let conditions = Conditions {
-            command,
+            command: command.filter(|command| !waits || *command != Command::Shutdown),
             remote,
             quick_stop: self.configuration.quick_stop,
             at_once: self.leaving(command) == Some(Stop::PowerOff),
@@ -94,6 +98,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
                 self.power = Power::On;
                 self.modes.enter(&self.motor);
             }
+            State::SwitchedOn if D::DRIVE_HABITS.power_when_switched_on => self.power = Power::On,
             State::QuickStopActive => self.stop(self.machine.quick_stop().stop()),
             State::FaultReactionActive => match reaction {
                 Some(Reaction::AsConfigured) if self.power.is_on() => {
