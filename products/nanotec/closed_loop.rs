@@ -112,6 +112,7 @@ impl ClosedLoop {
         settings.is_turned = number(dictionary, 0x200D, 0) == 1;
         settings.lead = lead(dictionary, told);
         settings.gains = self.gains(dictionary, told);
+        (settings.share, settings.learning) = current_gains(dictionary, told);
         settings.stepper = self.stepper(dictionary);
         self.wait = self.wait.saturating_sub(1);
         if self.wait > 0 {
@@ -282,6 +283,17 @@ impl ClosedLoop {
 
 fn word(number: i64) -> u16 {
     u16::try_from(number).unwrap_or(u16::MAX)
+}
+
+/// KP and KI of 200Eh at the present speed: ten of each are what the axis has, and each 1000/min adds a tenth of their scale.
+fn current_gains<D: Dictionary>(dictionary: &D, told: &Told) -> (u16, u16) {
+    let speed = i64::from(told.speed).abs() / 1_000;
+    let of = |sub: u8, own: u16, most: i64| {
+        let added = number(dictionary, 0x200E, sub + 1).saturating_mul(speed) / 10_000;
+        let gain = number(dictionary, 0x200E, sub) + added;
+        word((i64::from(own) * gain / 10).clamp(1, most))
+    };
+    (of(2, told.own_share, 990), of(5, told.own_learning, 490))
 }
 
 /// How much more than a quarter of an electrical turn the current leads: 200Ch at the present speed, even between its points.

@@ -1,7 +1,7 @@
 //! The motor of the S200 and its loops: current set-points, limits of the current, motor data, gains, monitors.
 //!
 //! The manual gives no units. Chosen here: currents are the amplitude of a phase in mA; ML µH, MKT mN·m/A, DPoles poles, MPHASE, CommOffset, MTANGLP and MVANGLF electrical
-//! degrees, MVANGLB and VCOMM 1/min; the motor of the axis has number 1, and 0 is one whose data are written; ITMode 1 makes a fault of spent I²t; KVP and KPP 1/s, KVI Hz, KVFF, KTFF and MLGQ thousandths, I2TLIM percent; ISCALE1 mA at 10 V. Of motor data and gains 0 is what the axis has.
+//! degrees, MVANGLB and VCOMM 1/min; the motor of the axis has number 1, and 0 is one whose data are written; ITMode 1 makes a fault of spent I²t; KVP and KPP 1/s, KVI Hz, KVFF, KTFF and MLGQ thousandths, MLGC, MLGP and MLGD thousandths of that, I2TLIM percent; ISCALE1 mA at 10 V. Of motor data and gains 0 is what the axis has.
 
 use canopen::cia301::sdo::AbortCode;
 use canopen::od::{Dictionary, Entry};
@@ -172,8 +172,10 @@ impl Servo {
         let corner = of(0x38F2).saturating_mul(6_283) / 1_000;
         settings.gains = [of(0x38F1), corner, of(0x3901)].map(word);
         settings.ahead = (word(of(0x3902)), word(of(0x3903)));
-        let share = of(0x3598).saturating_mul(told.own_share.into()) / 1_000;
-        settings.share = word(share.clamp(0, 900));
+        let own = of(0x3598).saturating_mul(told.own_share.into()) / 1_000;
+        let share = |thousandths: i64| word((own * thousandths / 1_000).clamp(1, 990));
+        settings.share = share(adapted(dictionary, told));
+        settings.share_along = share(of(0x3596));
         self.take_result(dictionary, told);
         self.request.take()
     }
@@ -269,6 +271,20 @@ impl Servo {
             let constant = flux * 3 * i64::from(found.pole_pairs) / 2_000_000;
             put_number(dictionary, 0x3593, 1, constant);
         }
+    }
+}
+
+/// What the gain across the magnet is by the current: MLGC at the rated one, MLGP at the peak.
+fn adapted<D: Dictionary>(dictionary: &D, told: &Told) -> i64 {
+    let current = i64::from(told.current.1).abs();
+    let rated = i64::from(told.rated_current).max(1);
+    let peak = i64::from(told.peak_current).max(rated + 1);
+    let of = |index: u16| number(dictionary, index, 1);
+    if current < rated {
+        1_000 + (of(0x3595) - 1_000) * current / rated
+    } else {
+        let above = (current - rated).min(peak - rated);
+        of(0x3595) + (of(0x3597) - of(0x3595)) * above / (peak - rated)
     }
 }
 

@@ -282,3 +282,17 @@ fn the_velocity_of_the_lmd_is_filtered() {
         }
     }
 }
+
+/// Where the motor is moved by pulses there is no torque to be had.
+#[test]
+fn a_motor_that_is_moved_by_pulses_has_no_torque_mode() {
+    for (name, mode) in [("lmd", 4), ("nanotec", 4), ("s200", 4), ("s200", 0x82)] {
+        for (mut bench, is_there) in [
+            (Bench::node(name, NODE), false),
+            (on_servo(name, "nema23"), true),
+        ] {
+            let answer = bench.sdo(NODE, [0x2F, 0x60, 0x60, 0, mode, 0, 0, 0]);
+            assert_eq!(answer[0] == 0x60, is_there, "{name}: {answer:02X?}");
+        }
+    }
+}

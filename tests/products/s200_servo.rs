@@ -373,12 +373,6 @@ fn rises(inductance: i32, gain: i32) -> f64 {
 }
 
 #[test]
-fn the_gain_of_the_current_loop_of_the_s200_makes_it_quick() {
-    let (own, slow) = (rises(0, 1_000), rises(0, 300));
-    assert!(slow < 0.8 * own, "{slow}, {own}");
-}
-
-#[test]
 fn the_inductance_of_the_s200_makes_its_voltage() {
     let (own, none) = (rises(800, 1_000), rises(100, 1_000));
     assert!((rises(0, 1_000) - own).abs() < 0.05);
@@ -536,4 +530,53 @@ fn spent_heat_limits_the_current_or_is_f15() {
         let most = if faults { 0.0 } else { RATED };
         assert!((flows - most).abs() < 0.2, "{flows}");
     }
+}
+
+/// The share of a step of the current that has come a tenth of a millisecond behind its begin: across the magnet from and to these thousandths, or along it.
+fn adapts(index: u16, step: Option<(i16, i16)>) -> f64 {
+    let (from, to) = step.unwrap_or((1_000, 1_000));
+    let n = usize::from(step.is_some());
+    let mut bench = s200();
+    set(&mut bench, index, 250);
+    let mut bench = held(bench, from);
+    let before = plant(&mut bench).current();
+    if step.is_some() {
+        torque(&mut bench, to);
+    } else {
+        set(&mut bench, 0x358F, 12_000);
+        set(&mut bench, 0x35A5, 60);
+    }
+    for _ in 0..40 {
+        bench.poll();
+        if (plant(&mut bench).current()[n] - before[n]).abs() > 0.02 {
+            break;
+        }
+    }
+    bench.poll();
+    let rises = plant(&mut bench).current()[n] - before[n];
+    bench.run(50);
+    rises / (plant(&mut bench).current()[n] - before[n])
+}
+
+#[test]
+fn the_current_loop_of_the_s200_adapts_to_the_current() {
+    // MLGQ at once.
+    let (own, slow) = (rises(0, 1_000), rises(0, 300));
+    assert!(slow < 0.8 * own, "{slow}, {own}");
+    // DECDIS has nothing to do with it.
+    const OTHER: u16 = 0x3523;
+    // MLGC at the rated current, MLGP at the peak.
+    for (index, step) in [(0x3595, (1_000, 1_300)), (0x3597, (2_600, 2_900))] {
+        let (own, slow) = (adapts(OTHER, Some(step)), adapts(index, Some(step)));
+        assert!(slow < 0.8 * own, "{index:04X}h: {slow}, {own}");
+        let none = adapts(index, Some((0, 300)));
+        let own = adapts(OTHER, Some((0, 300)));
+        assert!(
+            (none - own).abs() < 0.1,
+            "{index:04X}h without a current: {none}, {own}"
+        );
+    }
+    // MLGD along the magnet.
+    let (own, slow) = (adapts(OTHER, None), adapts(0x3596, None));
+    assert!(slow < 0.8 * own, "along: {slow}, {own}");
 }

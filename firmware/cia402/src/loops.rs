@@ -23,6 +23,10 @@ pub struct ServoSettings {
     pub gains: [u16; 3],
     /// 60F6h:1, in thousandths.
     pub share: u16,
+    /// The same along the magnet; 0 is as across it.
+    pub share_along: u16,
+    /// The share of what the current loop does not know that a period takes up, in thousandths; 0 is that of the loop.
+    pub learning: u16,
     /// 20C3h: the low-pass in Hz and its quality in thousandths, the notch likewise.
     pub filters: [u16; 4],
     /// 20C4h.
@@ -68,6 +72,8 @@ impl ServoSettings {
         ahead: (1_000, 1_000),
         gains: [0; 3],
         share: 0,
+        share_along: 0,
+        learning: 0,
         filters: [0; 4],
         stepper: StepperSettings {
             way: 0,
@@ -170,6 +176,8 @@ pub struct Told {
     pub own_gains: [u16; 3],
     /// See `own_gains`.
     pub own_share: u16,
+    /// The same as [`ServoSettings::learning`].
+    pub own_learning: u16,
     /// Of the rotor, in thousandths of a turn in a minute.
     pub speed: i32,
     /// Whole counts of the encoder from where it began, and those of a turn.

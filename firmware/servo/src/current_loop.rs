@@ -252,6 +252,33 @@ impl CurrentLoop {
         Ok(())
     }
 
+    /// The same along the magnet alone.
+    ///
+    /// # Errors
+    /// As [`CurrentLoop::set_share`].
+    pub fn set_share_along(&mut self, share: f32) -> Result<(), Implausible> {
+        if !is_within(share, 1e-3, 1.0) {
+            return Err(Implausible);
+        }
+        self.d.gain = share * self.d.inductance / self.config.period;
+        Ok(())
+    }
+
+    /// Another share of what the model does not know that a period takes up.
+    ///
+    /// # Errors
+    /// With one outside 0 to 0.5; that of before stays.
+    pub fn set_learning(&mut self, learning: f32) -> Result<(), Implausible> {
+        if !is_within(learning, 0.0, 0.5) {
+            return Err(Implausible);
+        }
+        self.config.learning = learning;
+        for axis in [&mut self.d, &mut self.q] {
+            axis.learning = learning * axis.inductance / self.config.period;
+        }
+        Ok(())
+    }
+
     /// Begins anew, with no voltage acting; ends a trip.
     pub fn start(&mut self) {
         self.voltage = Rotor::ZERO;

@@ -107,6 +107,15 @@ impl Loops {
             let own = config(&self.data).share;
             let share = gains.share().unwrap_or(own);
             let _ = self.interrupt.current.set_share(share);
+            let learning = match gains.learning {
+                0 => config(&self.data).learning,
+                learning => f32::from(learning) * 1e-3,
+            };
+            let _ = self.interrupt.current.set_learning(learning);
+            if gains.share_along > 0 {
+                let along = f32::from(gains.share_along) * 1e-3;
+                let _ = self.interrupt.current.set_share_along(along);
+            }
             let _ = self.control.set_blocked(gains.blocked());
         }
         let is_stepper = settings.stepper.way != 0 && self.settings.stepper.way != 0;

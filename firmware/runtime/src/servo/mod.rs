@@ -319,6 +319,7 @@ impl Loops {
             torque_constant: number(motor.torque_constant(), 1e-6),
             own_gains: [own.velocity, own.integral, own.position].map(|gain| (gain + 0.5) as u16),
             own_share: (config(&self.data).share * 1e3) as u16,
+            own_learning: (config(&self.data).learning * 1e3) as u16,
             speed: (report.velocity * 60_000.0 / motor.counts as f32) as i32,
             counts: self.position(),
             counts_of_turn: motor.counts,
