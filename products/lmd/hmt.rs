@@ -1,7 +1,9 @@
 //! The hybrid motor technology of the closed loop models: a stepper whose field never leads the rotor by more than its bound, and the torque mode.
 //!
-//! What the manual leaves open: a blocked rotor is one that is slower than [`SLOW`] while its lead or its torque is at its bound; make-up velocities are microsteps/s; while hMT is
-//! off the motor is moved by pulses, whether its encoder is looked at or not. A correction move makes up what was lost as soon as the demand is at rest.
+//! What the manual leaves open: a blocked rotor is one that is slower than [`SLOW`] while its lead or its torque is at its bound; make-up
+//! velocities are microsteps/s; while hMT is
+//! off the motor is moved by pulses, whether its encoder is looked at or not. A correction move makes up what was lost as soon as the
+//! demand is at rest.
 
 use canopen::od::Dictionary;
 use cia402::behaviour::{number, put_number};

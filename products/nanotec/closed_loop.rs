@@ -1,7 +1,9 @@
 //! The closed loop of the Nanotec: when it is on, its gains, load angle and currents, and the test runs that find the magnet.
 //!
-//! What the manual leaves open: velocity mode has the speed controller, all else the position controller; gains are in proportion to those that the axis has, which the defaults of 2002h stand for; the amplitude of a phase is the current that percents
-//! are of, 7.5 A; a peak current is borne for the time of 2004h:14 in ms; the index was seen when the motor has gone a turn; without the loop the motor is a supervised stepper, and a
+//! What the manual leaves open: velocity mode has the speed controller, all else the position controller; gains are in proportion to those
+//! that the axis has, which the defaults of 2002h stand for; the amplitude of a phase is the current that percents
+//! are of, 7.5 A; a peak current is borne for the time of 2004h:14 in ms; the index was seen when the motor has gone a turn; without the
+//! loop the motor is a supervised stepper, and a
 //! correction travel makes up what was lost.
 
 use canopen::od::Dictionary;

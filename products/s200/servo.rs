@@ -1,7 +1,10 @@
 //! The motor of the S200 and its loops: current set-points, limits of the current, motor data, gains, monitors.
 //!
-//! The manual gives no units. Chosen here: currents are the amplitude of a phase in mA; ML µH, MKT mN·m/A, DPoles poles, MPHASE, CommOffset, MTANGLP and MVANGLF electrical
-//! degrees, MVANGLB and VCOMM 1/min; the motor of the axis has number 1, and 0 is one whose data are written; ITMode 1 makes a fault of spent I²t; KVP and KPP 1/s, KVI Hz, KVFF, KTFF and MLGQ thousandths, MLGC, MLGP and MLGD thousandths of that, I2TLIM percent; ISCALE1 mA at 10 V. Of motor data and gains 0 is what the axis has.
+//! The manual gives no units. Chosen here: currents are the amplitude of a phase in mA; ML µH, MKT mN·m/A, DPoles poles, MPHASE,
+//! CommOffset, MTANGLP and MVANGLF electrical
+//! degrees, MVANGLB and VCOMM 1/min; the motor of the axis has number 1, and 0 is one whose data are written; ITMode 1 makes a fault of
+//! spent I²t; KVP and KPP 1/s, KVI Hz, KVFF, KTFF and MLGQ thousandths, MLGC, MLGP and MLGD thousandths of that, I2TLIM percent; ISCALE1 mA
+//! at 10 V. Of motor data and gains 0 is what the axis has.
 
 use canopen::cia301::sdo::AbortCode;
 use canopen::od::{Dictionary, Entry};

@@ -1,6 +1,7 @@
 //! What the loops of a servo are set to beside their orders, what they are asked to measure, and what they tell.
 //!
-//! A generic drive has objects for all of it (20C0h to 20C5h). A product has objects of its own, of which its module makes this ([`Behaviour::loops`](crate::Behaviour::loops)).
+//! A generic drive has objects for all of it (20C0h to 20C5h). A product has objects of its own, of which its module makes this
+//! ([`Behaviour::loops`](crate::Behaviour::loops)).
 
 /// The motor and its loops as the objects say it; 0 is what the axis has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
