@@ -54,6 +54,11 @@ impl Hmt {
         self.is_there && number(dictionary, 0x2701, 0) == 0x80
     }
 
+    /// Whether the motor is moved by its current.
+    pub(super) const fn is_there(&self) -> bool {
+        self.is_there
+    }
+
     /// The loops tell, and are set up.
     pub(super) fn loops<D: Dictionary>(
         &mut self,

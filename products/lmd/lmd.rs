@@ -171,7 +171,8 @@ impl Module {
     /// FF01h, and errors of the hardware.
     fn look_at_motor<D: Dictionary>(&mut self, dictionary: &mut D, view: &View<'_>) {
         let actuals = view.actuals;
-        if !self.is_enabled {
+        // A motor that is moved by its current has its lead and its locked rotor.
+        if !self.is_enabled || self.hmt.is_there() {
             self.plausibility.forget(&mut self.told);
         } else if self.plausibility.look(
             view.at.ticks(),
@@ -196,6 +197,7 @@ impl Module {
         word |= if self.limits.is_any() { INTERNAL_LIMIT } else { 0 };
         word &= if self.following.is_pending { !REACHED } else { !0 };
         put_number(dictionary, 0x6041, 0, word.into());
+        self.hmt.show(dictionary);
     }
 
     /// The drive has published what it does.
@@ -229,7 +231,6 @@ impl Module {
                 actuals.position_demand,
             ),
         );
-        self.hmt.show(dictionary);
         self.is_disabled |= self.is_enabled && self.hmt.bars(dictionary);
         let captures = number(dictionary, CAPTURES, 0);
         if captures != core::mem::replace(&mut self.captures, captures) {

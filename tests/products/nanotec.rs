@@ -153,6 +153,7 @@ fn the_nanotec_looks_for_a_block_with_its_own_current() {
         assert!(stands.abs_diff(2_000) <= 20, "{stands}");
         bench.write(NODE, 0x6060, 0, &[1]);
         command(&mut bench, 0x0F);
+        bench.run(2);
         begin(&mut bench, -1_000, 2_000, 100_000);
         bench.run(50);
         assert_eq!(bench.drive.plant_mut().current(), 3_000, "a move again");

@@ -195,8 +195,10 @@ fn the_load_angles_of_each_motor_are_taken() {
             bench.run(30);
             let leads = mean_load_angle(&mut bench) - flat;
             let wanted = f64::from(angles[point]);
+            // At the last point the bus has not the whole voltage.
+            let away = if point == 3 { 650.0 } else { 150.0 };
             assert!(
-                (leads - wanted).abs() < 450.0,
+                (leads - wanted).abs() < away,
                 "{motor} at {speed}: {leads}, not {wanted}"
             );
         }
