@@ -92,18 +92,13 @@ mod bindings {
     #[test]
     fn currents_brake_and_inputs_of_the_nanotec_are_those_of_the_drive() {
         let mut dictionary = nanotec::Dictionary::new();
-        assert_eq!(
-            (dictionary.run_current(), dictionary.hold_current()),
-            (1500, 1500)
-        );
+        assert_eq!(dictionary.hold_current(), 1500);
         assert_eq!(
             (dictionary.hold_delay(), dictionary.input_debounce()),
             (80, 20)
         );
-        set(&mut dictionary, 0x2004, 1, &[100]);
         set(&mut dictionary, 0x2007, 2, &[0x2C, 1]);
         set(&mut dictionary, 0x2007, 3, &[100, 0]);
-        assert_eq!(dictionary.run_current(), 7500);
         assert_eq!(
             (
                 dictionary.brake_release_time(),
@@ -161,21 +156,6 @@ mod bindings {
         }
         set(&mut dictionary, 0x2033, 1, &[1]);
         assert_eq!(dictionary.touch_probe_function(), 0x13);
-    }
-
-    #[test]
-    fn the_software_limits_of_the_lmd_are_those_of_the_drive() {
-        let mut dictionary = lmd::Dictionary::new();
-        let limits = |dictionary: &lmd::Dictionary| {
-            (
-                dictionary.min_position_limit(),
-                dictionary.max_position_limit(),
-            )
-        };
-        assert_eq!(limits(&dictionary), (i32::MIN, i32::MAX));
-        dictionary.set_software_position_limits_negative_software_limit(-5);
-        dictionary.set_software_position_limits_positive_software_limit(7);
-        assert_eq!(limits(&dictionary), (-5, 7));
     }
 
     #[test]

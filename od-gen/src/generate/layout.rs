@@ -101,7 +101,7 @@ impl<'a> Layout<'a> {
     }
 
     /// How many buckets the look-up has (`canopen::od::buckets`): at least an eighth more than there are objects. Most are found in the
-    /// first one that is looked into, and an entry takes no more than 12 bytes.
+    /// first one that is looked into, and an entry takes some 12 bytes.
     pub(super) fn buckets(&self) -> usize {
         let objects = self.rows.chunk_by(|a, b| a.object.index == b.object.index);
         (objects.count() * 9).div_ceil(8).next_power_of_two().max(2)
