@@ -19,6 +19,12 @@ pub struct SensorFaults {
     pub slipped_index: i64,
     /// The Hall sensors whose wires are cut read 0: sensor `n` in bit `n`.
     pub cut_hall: u8,
+    /// Those whose wires touch their supply read 1.
+    pub high_hall: u8,
+    /// The magnet of the absolute encoder has slipped by so much on the shaft, in rad.
+    pub slipped_magnet: f64,
+    /// The absolute encoder does not answer.
+    pub line_is_broken: bool,
     /// The current sensor of this phase says this, in A, whatever flows.
     pub stuck_current: Option<(usize, f64)>,
 }
@@ -36,8 +42,8 @@ pub struct Readings {
     pub index: Option<i64>,
     /// Hall sensors A, B and C in bits 0 to 2.
     pub hall: u8,
-    /// The absolute angle within a turn, of as many bits as it has.
-    pub word: u32,
+    /// The absolute angle within a turn, of as many bits as it has; `None` where the encoder does not answer.
+    pub word: Option<u32>,
 }
 
 /// What sensors remember.
@@ -112,8 +118,9 @@ impl Sensors {
             bus_voltage: 0.0,
             count: count(data, seen + jitter) - faults.lost_counts,
             index: index.map(|count| count - faults.lost_counts + faults.slipped_index),
-            hall: hall(seen * f64::from(pole_pairs)) & !faults.cut_hall,
-            word: word(data, seen + jitter),
+            hall: hall(angle * f64::from(pole_pairs)) & !faults.cut_hall | faults.high_hall,
+            word: (!faults.line_is_broken)
+                .then(|| word(data, seen + jitter + faults.slipped_magnet)),
         }
     }
 }

@@ -115,7 +115,7 @@ proptest! {
     fn an_absolute_angle_is_within_its_last_bit(angle in -20.0..20.0_f64, bits in 12..=20_u8, off in 0.0..0.02_f64) {
         let mut data = SERVO_100W;
         data.sensors = SensorData { bits, zero: 0.7, eccentricity: off, ..SensorData::ideal(4_000) };
-        let word = Plant::new(data, 1).turning(angle, 0.0).measure().word;
+        let word = Plant::new(data, 1).turning(angle, 0.0).measure().word.unwrap_or_default();
         let shown = f64::from(word) / f64::from(1u32 << bits) * TAU;
         let away = (shown - (angle - 0.7)).rem_euclid(TAU);
         let away = away.min(TAU - away);

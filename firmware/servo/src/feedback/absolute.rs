@@ -10,6 +10,9 @@ use crate::{Angle, Motor};
 /// Entries of the table in a turn.
 pub const ENTRIES: usize = 64;
 
+/// The table of a magnet on its centre.
+pub const NO_ERROR: [i32; ENTRIES] = [0; ENTRIES];
+
 /// Bits of an angle beyond the entry.
 const BEYOND: u32 = 26;
 
@@ -19,7 +22,7 @@ pub struct Absolute {
     bits: u8,
     pole_pairs: u32,
     /// What is to be taken from the shown angle there, in parts of 2³² of a turn.
-    table: [i32; ENTRIES],
+    table: &'static [i32; ENTRIES],
     /// What the rotor may turn between two words, in parts of 2³² of a turn.
     reach: u32,
     last: Option<Angle>,
@@ -37,7 +40,7 @@ impl Absolute {
         let absolute = Self {
             bits,
             pole_pairs: motor.pole_pairs.into(),
-            table: [0; ENTRIES],
+            table: &NO_ERROR,
             reach: reach.bits(),
             last: None,
             position: 0,
@@ -49,7 +52,7 @@ impl Absolute {
 
     /// What the shown angle is too great by, at each entry, in parts of 2³² of a turn.
     #[must_use]
-    pub fn with_table(self, table: [i32; ENTRIES]) -> Self {
+    pub fn with_table(self, table: &'static [i32; ENTRIES]) -> Self {
         Self { table, ..self }
     }
 
@@ -59,24 +62,38 @@ impl Absolute {
     /// It is too far from the last; nothing changes.
     #[inline]
     pub fn look(&mut self, word: u32) -> Result<(), FeedbackFault> {
+        let angle = self.told(word);
+        if self.moved(angle).unsigned_abs() > self.reach {
+            return Err(FeedbackFault::Jump);
+        }
+        self.go_to(angle);
+        Ok(())
+    }
+
+    /// A word came after others were missed: the position goes on by the shorter way.
+    pub fn resume(&mut self, word: u32) {
+        self.go_to(self.told(word));
+    }
+
+    fn told(&self, word: u32) -> Angle {
         let shift = 32_u32.saturating_sub(self.bits.into());
         // The middle of what the word stands for.
         let shown = (word << shift).wrapping_add(1 << shift.saturating_sub(1));
-        let angle = Angle::from_bits(shown.wrapping_sub(self.error(shown).cast_unsigned()));
-        let moved = match self.last {
-            Some(last) => angle.minus(last).bits().cast_signed(),
+        Angle::from_bits(shown.wrapping_sub(self.error(shown).cast_unsigned()))
+    }
+
+    fn moved(&self, angle: Angle) -> i32 {
+        let last = self.last.unwrap_or(angle);
+        angle.minus(last).bits().cast_signed()
+    }
+
+    fn go_to(&mut self, angle: Angle) {
+        self.position = match self.last {
+            Some(_) => self.position.wrapping_add(self.moved(angle).into()),
             // The first word is where the position begins.
-            None => {
-                self.position = angle.bits().into();
-                0
-            }
+            None => angle.bits().into(),
         };
-        if moved.unsigned_abs() > self.reach {
-            return Err(FeedbackFault::Jump);
-        }
-        self.position = self.position.wrapping_add(moved.into());
         self.last = Some(angle);
-        Ok(())
     }
 
     fn error(&self, shown: u32) -> i32 {
@@ -100,6 +117,11 @@ impl Absolute {
         Angle::from_bits(turn.wrapping_mul(self.pole_pairs)).plus(self.offset)
     }
 
+    /// Other pole pairs.
+    pub fn set_pole_pairs(&mut self, pole_pairs: u16) {
+        self.pole_pairs = pole_pairs.into();
+    }
+
     /// The rotor stands at this electrical angle now.
     pub fn set_angle(&mut self, angle: Angle) {
         self.offset = self.offset.plus(angle.minus(self.angle()));
@@ -111,6 +133,7 @@ mod tests {
     use super::*;
     use crate::motor::tests::servo_100w;
     use core::f64::consts::TAU;
+    use std::boxed::Box;
 
     /// The word of a magnet that is off its centre, at so many turns.
     fn word(turns: f64, bits: u8, off: f64) -> u32 {
@@ -122,7 +145,7 @@ mod tests {
     fn a_table_takes_out_what_a_magnet_off_its_centre_shows() {
         const PARTS: f64 = 4_294_967_296.0;
         let off = 0.003;
-        let mut table = [0; ENTRIES];
+        let table: &mut [i32; ENTRIES] = Box::leak(Box::new(NO_ERROR));
         for (entry, error) in table.iter_mut().enumerate() {
             let shown = entry as f64 / ENTRIES as f64;
             let mut turns = shown;
@@ -132,7 +155,7 @@ mod tests {
             *error = ((shown - turns) * PARTS) as i32;
         }
         let reach = Angle::from_turns(0.1);
-        for (table, least, most) in [([0; ENTRIES], 0.002_9, 0.003_1), (table, 0.0, 0.000_07)] {
+        for (table, least, most) in [(&NO_ERROR, 0.002_9, 0.003_1), (&*table, 0.0, 0.000_07)] {
             let mut encoder = Absolute::new(&servo_100w(), 14, reach)
                 .unwrap()
                 .with_table(table);
@@ -161,6 +184,8 @@ mod tests {
         let before = encoder;
         assert_eq!(encoder.look(100), Err(FeedbackFault::Jump));
         assert_eq!(encoder, before);
+        encoder.resume(100);
+        assert_eq!((encoder.position() - first) >> 20, 106);
         assert_eq!(Absolute::new(&servo_100w(), 11, reach), Err(Implausible));
     }
 }

@@ -8,6 +8,7 @@ pub mod observer;
 
 pub use absolute::Absolute;
 pub use commutation::Commutation;
+pub use hall::Hall;
 pub use incremental::Incremental;
 pub use observer::Observer;
 
@@ -18,6 +19,6 @@ pub enum FeedbackFault {
     CountsLost,
     /// An angle that the rotor cannot have come to in the time.
     Jump,
-    /// Hall sensors that all say the same: a wire is broken.
+    /// Hall sensors that all say the same, or are not where the encoder is: a wire is broken.
     Hall,
 }

@@ -77,8 +77,7 @@ pub fn servo() -> Result<(), Implausible> {
     let mut current = CurrentLoop::new(&motor, config, modulation)?;
     let mut sense = CurrentSense::new(number(), any() as u16, any() as u16)?;
     let mut encoder = Incremental::new(&motor, any() as u16, any());
-    let table = [(); absolute::ENTRIES].map(|()| any() as i32);
-    let mut absolute = Absolute::new(&motor, any() as u8, angle())?.with_table(table);
+    let mut absolute = Absolute::new(&motor, any() as u8, angle())?.with_table(&absolute::NO_ERROR);
     let mut observer = Observer::new(number(), number())?;
     let mut interrupt = CurrentInterrupt::new(sense, encoder, observer, current, number())?;
     while any() != 0 {
