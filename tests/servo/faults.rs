@@ -8,7 +8,7 @@ use super::{enable, enabled, hold, torque};
 
 /// The drive is in fault within so many milliseconds, with one of these codes, and the motor has no current.
 #[track_caller]
-fn fails(drive: &mut ServoBench, milliseconds: u64, codes: &[u16]) {
+pub fn fails(drive: &mut ServoBench, milliseconds: u64, codes: &[u16]) {
     drive.reaches(FAULT, milliseconds);
     let code = drive.read_u16(0x603F, 0);
     assert!(codes.contains(&code), "{code:04X}h");
@@ -22,7 +22,7 @@ fn fails(drive: &mut ServoBench, milliseconds: u64, codes: &[u16]) {
 }
 
 /// Turning in profile velocity.
-fn turning(name: &str) -> ServoBench {
+pub fn turning(name: &str) -> ServoBench {
     let mut drive = enabled(name, 3);
     let counts = drive.read_u32(0x608F, 1) as i32;
     drive.write_i32(0x60FF, 0, 10 * counts);

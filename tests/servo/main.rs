@@ -2,6 +2,7 @@
 
 mod cyclic;
 mod faults;
+mod feedback;
 mod loops;
 mod modes;
 mod objects;

@@ -1,11 +1,12 @@
 //! A motor that is moved by its current: the plant of the crate [`servo_plant`], with the loops of the firmware's servo above it as a board runs them.
 //!
 //! Time goes on in periods of the modulation. A sample in the middle of the pulses, what the converter makes of it, the current interrupt, and its widths half a period later; the
-//! control each [`CONTROL`] periods. Where the magnet is, is known from the beginning, as from an absolute encoder.
+//! control each [`CONTROL`] periods. How the loops come to know where the magnet is, [`Magnet`] says.
 
 use motion::Ticks;
-use runtime::servo::{Loops, ServoData, StageData, error_code};
+use runtime::servo::{Feedback, Loops, ServoData, StageData, error_code};
 use servo::control::Fault;
+use servo::feedback::absolute::{ENTRIES, NO_ERROR};
 use servo::interrupt::Counts;
 use servo::{Angle, Motor, Wiring};
 use servo_plant::data::{Phases, PlantData};
@@ -30,6 +31,20 @@ const BUS: f32 = 0.025;
 /// The middle of the converter: one of 16 bits, as industrial servos have.
 const MIDDLE: u16 = 32_768;
 
+/// How the loops come to know where the magnet is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Magnet {
+    /// From the beginning, and the sensors of the currents are right: nothing precedes the loops.
+    #[default]
+    Known,
+    /// It is looked for as the power comes first.
+    Searched,
+    /// By Hall sensors beside the encoder.
+    Hall,
+    /// By the word of an absolute encoder, which is in place of the other; the table takes out that it is off its centre.
+    Absolute(&'static [i32; ENTRIES]),
+}
+
 /// A ready axis: a motor of [`servo_plant::axes`], and how it is driven.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ServoAxisData {
@@ -47,14 +62,31 @@ pub struct ServoAxisData {
     pub bandwidth: f32,
     /// The greatest speed, in 1/min.
     pub speed: u32,
+    /// How the loops come to know where the magnet is.
+    pub magnet: Magnet,
+    /// Where the rotor stands at first, in rad.
+    pub start: f64,
 }
 
+/// A ready axis of a servo motor with other sensors.
+const SERVO_100W: ServoAxisData = axis("servo_100w", axes::SERVO_100W, (4.0, 12.0), 800.0, 3_000);
+
 /// The ready axes.
-pub const AXES: [ServoAxisData; 4] = [
+pub const AXES: [ServoAxisData; 6] = [
     axis("nema17", axes::NEMA17, (1.7, 2.4), 700.0, 1_200),
     axis("nema23", axes::NEMA23, (4.2, 6.0), 700.0, 1_200),
-    axis("servo_100w", axes::SERVO_100W, (4.0, 12.0), 800.0, 3_000),
+    SERVO_100W,
     axis("servo_400w", axes::SERVO_400W, (17.0, 40.0), 500.0, 3_000),
+    ServoAxisData {
+        name: "servo_100w_hall",
+        magnet: Magnet::Hall,
+        ..SERVO_100W
+    },
+    ServoAxisData {
+        name: "servo_100w_absolute",
+        magnet: Magnet::Absolute(&NO_ERROR),
+        ..SERVO_100W
+    },
 ];
 
 const fn axis(
@@ -72,6 +104,8 @@ const fn axis(
         stage: (peak_current, 2.0),
         bandwidth,
         speed,
+        magnet: Magnet::Known,
+        start: 0.0,
     }
 }
 
@@ -116,6 +150,15 @@ impl ServoAxisData {
             friction: self.plant.motor.coulomb_friction as f32,
             bandwidth: self.bandwidth,
             speed: self.speed,
+            feedback: match self.magnet {
+                Magnet::Known | Magnet::Searched => Feedback::Incremental,
+                Magnet::Hall => Feedback::Hall,
+                Magnet::Absolute(table) => Feedback::Absolute {
+                    bits: self.plant.sensors.bits,
+                    table,
+                    offset: angle(self.plant.sensors.zero * f64::from(self.plant.motor.pole_pairs)),
+                },
+            },
             stage: StageData {
                 period: PERIOD as f32 * 1e-6,
                 control: CONTROL,
@@ -146,6 +189,7 @@ impl ServoAxisData {
 #[derive(Clone, Debug)]
 pub struct ServoMotor {
     plant: Plant,
+    magnet: Magnet,
     loops: Loops,
     /// Amperes of a count.
     scale: f32,
@@ -157,12 +201,17 @@ pub struct ServoMotor {
 impl ServoMotor {
     /// At rest, with an encoder at 0.
     pub fn new(data: &ServoAxisData, seed: u64) -> Self {
-        let mut plant = Plant::new(data.plant, seed);
-        let timer = plant.measure().count as u16;
-        let magnet = angle(plant.electrical_angle());
-        let loops = Loops::new(&data.loops(), timer, Some(magnet));
+        let mut plant = Plant::new(data.plant, seed).turning(data.start, 0.0);
+        let is_known = data.magnet == Magnet::Known;
+        let magnet = is_known.then(|| angle(plant.electrical_angle()));
+        let timer = match data.magnet {
+            Magnet::Absolute(_) => 0,
+            _ => plant.measure().count as u16,
+        };
+        let loops = Loops::new(&data.loops(), timer, magnet);
         Self {
             plant,
+            magnet: data.magnet,
             loops: loops.expect("the axes are plausible"),
             scale: data.scale(),
             time: 0,
@@ -239,14 +288,21 @@ impl ServoMotor {
             let counts = (amperes / f64::from(self.scale)).round() + f64::from(MIDDLE);
             counts.clamp(0.0, 65_535.0) as u16
         };
+        let timer = match (self.magnet, readings.index) {
+            (Magnet::Absolute(_), _) => self.loops.word(readings.word),
+            (_, index) => {
+                self.loops.hall(readings.hall);
+                if let Some(index) = index {
+                    self.loops.index(index as u16);
+                }
+                readings.count as u16
+            }
+        };
         let counts = Counts {
             currents: readings.currents.map(current),
             bus: (readings.bus_voltage / f64::from(BUS)).round() as u16,
-            timer: readings.count as u16,
+            timer,
         };
-        if let Some(index) = readings.index {
-            self.loops.index(index as u16);
-        }
         self.plant.chopper = self.loops.chops(&counts);
         let widths = self.loops.period(&counts, hot);
         self.loops.control(&counts, since, origin, hot);

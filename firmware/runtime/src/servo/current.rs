@@ -36,6 +36,11 @@ impl Current {
         }
     }
 
+    /// The loops, to tell them before a period what [`Loops::hall`] and [`Loops::word`] take.
+    pub fn loops(&mut self) -> &mut Loops {
+        &mut self.loops
+    }
+
     /// A period: pulse widths, or none where the gates are to be off.
     #[inline]
     pub fn period(&mut self, counts: &Counts) -> Option<[f32; 3]> {

@@ -1,6 +1,7 @@
 //! What the loops of a servo are built for: the motor, and the stage that drives it.
 
-use servo::Motor;
+use servo::feedback::absolute::ENTRIES;
+use servo::{Angle, Motor};
 
 /// The power stage, and what it measures.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,6 +28,25 @@ pub struct StageData {
     pub bears: (f32, f32),
 }
 
+/// What tells where the magnet is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Feedback {
+    /// An incremental encoder alone: the magnet is looked for as the power comes first.
+    #[default]
+    Incremental,
+    /// Hall sensors beside it, for [`Loops::hall`](super::Loops::hall): nothing is looked for.
+    Hall,
+    /// The word of an absolute encoder in place of it, for [`Loops::word`](super::Loops::word): nothing is looked for.
+    Absolute {
+        /// Of a word, 12 to 20.
+        bits: u8,
+        /// See [`Absolute::with_table`](servo::feedback::Absolute::with_table).
+        table: &'static [i32; ENTRIES],
+        /// The electrical angle where the word is 0.
+        offset: Angle,
+    },
+}
+
 /// A motor on a stage.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ServoData {
@@ -38,6 +58,8 @@ pub struct ServoData {
     pub bandwidth: f32,
     /// The greatest speed, in 1/min.
     pub speed: u32,
+    /// What tells where the magnet is.
+    pub feedback: Feedback,
     /// What drives it.
     pub stage: StageData,
 }

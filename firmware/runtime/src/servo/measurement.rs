@@ -145,6 +145,7 @@ impl Loops {
                 self.control = control;
                 self.motor = motor;
                 self.interrupt.encoder.set_pole_pairs(motor.pole_pairs);
+                self.sensor.restart();
             }
         }
     }
@@ -158,7 +159,10 @@ impl Loops {
             encoder.set_angle(encoder.angle().plus(change));
             self.interrupt.observer.stand_at(encoder.angle());
         }
-        self.interrupt.encoder.turn(settings.is_turned);
+        if settings.is_turned != self.settings.is_turned {
+            self.interrupt.encoder.turn(settings.is_turned);
+            self.sensor.restart();
+        }
         (self.settings.offset, self.settings.is_turned) = (settings.offset, settings.is_turned);
     }
 

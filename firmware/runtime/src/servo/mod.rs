@@ -13,6 +13,7 @@
 
 mod current;
 mod data;
+mod feedback;
 mod link;
 mod measurement;
 mod objects;
@@ -31,7 +32,8 @@ use servo::{Angle, Control, CurrentInterrupt, Implausible, Motor, Wiring};
 
 pub use cia402::loops::{Found, Request, ServoSettings, StepperSettings, Told as LoopsTold};
 pub use current::Current;
-pub use data::{ServoData, StageData};
+pub use data::{Feedback, ServoData, StageData};
+use feedback::Sensor;
 pub use link::Link;
 use measurement::{Ending, Measurement};
 pub use objects::ServoObjects;
@@ -63,6 +65,8 @@ pub struct Loops {
     /// Where the magnet and the sensors are is known from the start.
     is_ideal: bool,
     begin: Begin,
+    /// What is beside the encoder, or in its place.
+    sensor: Sensor,
     /// Until the magnet is found for the first time.
     search: Option<Commutation>,
     /// Periods since the loops above ran.
@@ -76,8 +80,8 @@ pub struct Loops {
 }
 
 impl Loops {
-    /// At rest, with the timer of the encoder at `timer`. Where the magnet stands may be known (as with an absolute encoder); then nothing is to be found
-    /// and the sensors are right, too.
+    /// At rest, with the timer of the encoder at `timer`; 0 with [`Feedback::Absolute`]. Where the magnet stands may be known, in a plant; then nothing is to
+    /// be found and the sensors are right, too.
     ///
     /// # Errors
     /// With data that cannot be.
@@ -95,6 +99,7 @@ impl Loops {
         let (middle, spread) = stage.middle;
         let sense = CurrentSense::new(stage.current, middle, spread)?;
         let search = Commutation::new(&motor, motor.rated_current, stage.period)?;
+        let is_found = magnet.is_some() || data.feedback != Feedback::Incremental;
         Ok(Self {
             data: *data,
             motor,
@@ -102,7 +107,8 @@ impl Loops {
             control,
             is_ideal: magnet.is_some(),
             begin: Begin::Over,
-            search: magnet.is_none().then_some(search),
+            sensor: Sensor::new(data, &motor)?,
+            search: (!is_found).then_some(search),
             periods: 0,
             is_on: false,
             order: None,
@@ -130,6 +136,7 @@ impl Loops {
         self.is_on = on;
         self.fault = None;
         self.begin_anew();
+        self.sensor.align();
         if !on {
             self.end_measurement(Ending::PowerOff);
         } else if !self.is_ideal {
@@ -298,7 +305,9 @@ impl Loops {
 
     fn reported(&self, report: &Report, origin: i64) -> ServoReport {
         let counts = self.position().wrapping_sub(origin);
-        let wants_free = self.wants_free() || self.begin != Begin::Over;
+        // What has failed does not begin any more, and is not waited for.
+        let begins = self.begin != Begin::Over && self.fault.is_none();
+        let wants_free = self.wants_free() || begins;
         orders::report(report, counts, wants_free)
     }
 

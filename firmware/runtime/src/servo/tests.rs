@@ -24,6 +24,7 @@ pub(super) const DATA: ServoData = ServoData {
     friction: 0.0,
     bandwidth: 600.0,
     speed: 3_000,
+    feedback: Feedback::Incremental,
     stage: StageData {
         period: 50e-6,
         control: 5,

@@ -1,12 +1,13 @@
 //! The loops of a servo on a board, and what its stage is told and says, with any counts.
 
+use ::servo::feedback::absolute::NO_ERROR;
 use ::servo::interrupt::Counts;
 use ::servo::stage::drv8301::{Gain, Settings};
 use ::servo::stage::{sensors, thermistor, BridgeDriver, Counter, GateDriver};
 use ::servo::Implausible;
 use cia402::{DriveConfig, Exchange, Inputs, Outputs};
 use motion::{PulseSink, Record};
-use runtime::servo::{Current, Link, Loops, Port, ServoData, ServoObjects, StageData};
+use runtime::servo::{Current, Feedback, Link, Loops, Port, ServoData, ServoObjects, StageData};
 use runtime::PowerStage;
 
 use super::dictionary::Dictionary;
@@ -21,6 +22,15 @@ fn data() -> Result<ServoData, Implausible> {
         friction: number(),
         bandwidth: number(),
         speed: any(),
+        feedback: match any() {
+            0 => Feedback::Incremental,
+            1 => Feedback::Hall,
+            _ => Feedback::Absolute {
+                bits: any() as u8,
+                table: &NO_ERROR,
+                offset: angle(),
+            },
+        },
         stage: StageData {
             period: number(),
             control: any() as u8,
@@ -86,6 +96,8 @@ pub fn loops(config: DriveConfig) -> Result<(), Implausible> {
     while any() != 0 {
         match any() {
             0 => {
+                current.loops().hall(any() as u8);
+                look(current.loops().word((any() == 0).then(any)).into());
                 let counts = Counts {
                     currents: sensors::three_of_two(any() as u16, any() as u16, any() as u16),
                     bus: any() as u16,

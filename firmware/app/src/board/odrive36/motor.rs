@@ -2,7 +2,7 @@
 //!
 //! It is the motor of the virtual axis `servo_100w`. Another one is another `DATA`.
 
-use runtime::servo::{ServoData, StageData};
+use runtime::servo::{Feedback, ServoData, StageData};
 use servo::stage::drv8301::{Gain, Settings};
 use servo::stage::sensors;
 use servo::{Motor, Wiring};
@@ -51,6 +51,7 @@ pub const DATA: ServoData = ServoData {
     friction: 5e-3,
     bandwidth: 600.0,
     speed: 3_000,
+    feedback: Feedback::Incremental,
     stage: StageData {
         period: PERIOD / CORE_HZ as f32,
         control: 5,

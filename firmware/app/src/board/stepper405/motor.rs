@@ -3,7 +3,7 @@
 //!
 //! It is the stepper of the virtual axis `nema17`. Another one is another `DATA`.
 
-use runtime::servo::{ServoData, StageData};
+use runtime::servo::{Feedback, ServoData, StageData};
 use servo::{Motor, Wiring};
 
 use crate::board::chip::CORE_HZ;
@@ -41,6 +41,7 @@ pub const DATA: ServoData = ServoData {
     friction: 4e-3,
     bandwidth: 700.0,
     speed: 1_200,
+    feedback: Feedback::Incremental,
     stage: StageData {
         period: PERIOD / CORE_HZ as f32,
         control: 5,

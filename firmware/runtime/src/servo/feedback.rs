@@ -1,0 +1,146 @@
+//! Sensors that know where the magnet is: Hall sensors beside the encoder, or an absolute encoder in its place.
+
+use servo::control::Fault;
+use servo::feedback::{Absolute, Hall};
+use servo::{Angle, Implausible, Motor};
+
+use super::Loops;
+use super::data::{Feedback, ServoData};
+
+/// See the module.
+#[derive(Clone, Debug)]
+pub(super) enum Sensor {
+    None,
+    Hall(Hall),
+    Absolute(Single),
+}
+
+/// An absolute encoder.
+#[derive(Clone, Debug)]
+pub(super) struct Single {
+    absolute: Absolute,
+    /// Where its position was at the first word.
+    first: Option<i64>,
+    /// Whether the count has the angle of the word.
+    is_aligned: bool,
+}
+
+impl Sensor {
+    /// # Errors
+    /// With what [`Absolute::new`] refuses.
+    pub(super) fn new(data: &ServoData, motor: &Motor) -> Result<Self, Implausible> {
+        Ok(match data.feedback {
+            Feedback::Incremental => Self::None,
+            Feedback::Hall => Self::Hall(Hall::default()),
+            Feedback::Absolute {
+                bits,
+                table,
+                offset,
+            } => {
+                // Twice the greatest speed, and what noise makes of two words.
+                let fastest = 2.0 * data.speed as f32 / 60.0 * data.stage.period;
+                let shift = 32_u32.saturating_sub(bits.into());
+                let noise = Angle::from_bits(2_u32.checked_shl(shift).unwrap_or(0));
+                let reach = Angle::from_turns(fastest.min(0.4)).plus(noise);
+                let mut absolute = Absolute::new(motor, bits, reach)?.with_table(table);
+                absolute.set_angle(offset);
+                Self::Absolute(Single {
+                    absolute,
+                    first: None,
+                    is_aligned: false,
+                })
+            }
+        })
+    }
+
+    /// The power comes or goes: the angle is that of the next word. What Hall sensors have told stays.
+    pub(super) fn align(&mut self) {
+        if let Self::Absolute(single) = self {
+            single.is_aligned = false;
+        }
+    }
+
+    /// The encoder counts otherwise, so its angle is none any more.
+    pub(super) fn restart(&mut self) {
+        if let Self::Hall(hall) = self {
+            *hall = Hall::default();
+        }
+        self.align();
+    }
+}
+
+impl Single {
+    /// What a timer of an encoder with so many counts in a turn would show.
+    fn timer(&self, counts: u32) -> u16 {
+        let position = self.absolute.position();
+        let moved = position.wrapping_sub(self.first.unwrap_or(position));
+        // Whole turns wrap as the timer does.
+        (moved.wrapping_mul(counts.into()) >> 32) as u16
+    }
+}
+
+impl Loops {
+    /// What the Hall sensors A, B and C say in bits 0 to 2, before each [`Loops::period`] with [`Feedback::Hall`]. While there is power it is a fault that
+    /// they all say the same, or another angle than the encoder.
+    pub fn hall(&mut self, word: u8) {
+        let Sensor::Hall(hall) = &mut self.sensor else {
+            return;
+        };
+        let offset = Angle::from_bits(u32::from(self.settings.offset) << 16);
+        let encoder = &mut self.interrupt.encoder;
+        let before = encoder.angle();
+        match hall.look(word, before.minus(offset)) {
+            Ok(None) => {}
+            Ok(Some(angle)) => {
+                let angle = angle.plus(offset);
+                encoder.set_angle(angle);
+                self.interrupt.observer.shift(angle.minus(before));
+            }
+            // What is measured may have other pole pairs, or turn the other way.
+            Err(fault) if self.is_on && !self.is_measured() => self.control.fail(fault.into()),
+            Err(_) => {}
+        }
+    }
+
+    /// The word of the absolute encoder, before each [`Loops::period`] with [`Feedback::Absolute`]; `None` where the line is broken or its check fails.
+    /// Returns what takes the place of the timer in [`Counts`](servo::interrupt::Counts), from 0 at the first word on. While there is power it is a fault
+    /// that there is no word, or one further away than the rotor can have come.
+    pub fn word(&mut self, word: Option<u32>) -> u16 {
+        let Sensor::Absolute(single) = &mut self.sensor else {
+            return 0;
+        };
+        let counts = self.motor.counts;
+        let Some(word) = word else {
+            if self.is_on {
+                self.control.fail(Fault::Encoder);
+            }
+            return single.timer(counts);
+        };
+        if let Err(fault) = single.absolute.look(word) {
+            if self.is_on {
+                self.control.fail(fault.into());
+                return single.timer(counts);
+            }
+            single.absolute.resume(word);
+            single.is_aligned = false;
+        }
+        single.first.get_or_insert(single.absolute.position());
+        let timer = single.timer(counts);
+        if !single.is_aligned {
+            single.is_aligned = true;
+            single.absolute.set_pole_pairs(self.motor.pole_pairs);
+            let told = single.absolute.angle();
+            let angle = if self.settings.is_turned {
+                Angle::ZERO.minus(told)
+            } else {
+                told
+            };
+            let offset = Angle::from_bits(u32::from(self.settings.offset) << 16);
+            let encoder = &mut self.interrupt.encoder;
+            encoder.look(timer);
+            encoder.set_angle(angle.plus(offset));
+            self.interrupt.observer.stand_at(encoder.angle());
+        }
+        timer
+    }
+}
