@@ -248,6 +248,36 @@ fn a_nanotec_turns_a_motor_without_brushes() {
 }
 
 #[test]
+fn a_nanotec_turns_a_motor_by_its_hall_sensors() {
+    let mut bench = on_servo("nanotec", "servo_100w_hall");
+    bench.write(NODE, 0x2004, 7, &[1]);
+    bench.write(NODE, 0x2004, 1, &[40]);
+    bench.run(5);
+    let mut bench = enabled(bench, 4);
+    bench.run(100);
+    assert!(rotor(&mut bench).abs() < 0.5, "nothing is looked for");
+    for target in [300, -300] {
+        let before = rotor(&mut bench);
+        torque(&mut bench, target);
+        bench.run(30);
+        let turned = rotor(&mut bench) - before;
+        assert!(turned * f64::from(target) > 0.0, "{turned} by {target}");
+        torque(&mut bench, 0);
+        plant(&mut bench).load_brake = 0.2;
+        bench.run(300);
+        plant(&mut bench).load_brake = 0.0;
+    }
+    torque(&mut bench, 300);
+    bench.run(30);
+    assert_eq!(statusword(&mut bench) & 1 << 3, 0);
+    plant(&mut bench).sensor_faults.cut_hall = 0b111;
+    bench.run(10);
+    assert_ne!(statusword(&mut bench) & 1 << 3, 0, "a fault");
+    bench.run(10);
+    assert!(current(&mut bench).abs() < 0.05);
+}
+
+#[test]
 fn the_pole_pairs_of_a_nanotec_count_with_the_next_power() {
     let mut bench = enabled(nanotec(ABSOLUTE, 1), 1);
     bench.write(NODE, 0x2006, 0, &100_u16.to_le_bytes());
