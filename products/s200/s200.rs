@@ -321,6 +321,7 @@ impl Behaviour for Module {
             self.asks.configuration |= modes::begin(dictionary);
             self.enable.begin(dictionary);
             self.servo.limit(dictionary);
+            Servo::limit_speed(dictionary);
             self.asks.configuration = true;
         }
         let elapsed = seen.ticked.checked_duration_since(before.ticked);

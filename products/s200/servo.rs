@@ -12,6 +12,7 @@ use cia402::behaviour::{number, put_number};
 use cia402::commands::Commands;
 use cia402::loops::{Request, ServoSettings, Told};
 
+const TORQUE: i64 = 4;
 const DIGITAL_CURRENT: i64 = -126;
 const ANALOGUE_CURRENT: i64 = -125;
 
@@ -20,6 +21,9 @@ const DPR_LIMIT: u16 = 0x3658;
 
 /// Our own: the greatest positive and negative torque, in thousandths.
 const LIMITS: u16 = 0x5105;
+
+/// Our own: ICMDVLIM, which the text interface alone has, and the fastest that the motor may turn, both in 1/min.
+const SPEEDS: u16 = 0x510C;
 
 /// The current of 1000 thousandths, in mA, as the binding has it.
 const RATED: i64 = 4_000;
@@ -95,7 +99,17 @@ impl Servo {
                 self.is_spent = false;
                 return false;
             }
-            (0x6060, _) => self.wanted = 0,
+            (0x6060, _) => {
+                self.wanted = 0;
+                Self::limit_speed(dictionary);
+            }
+            // MSPEED is another name of it.
+            (0x35A3, 1) => {
+                let most = number(dictionary, 0x35A3, 1);
+                put_number(dictionary, 0x6080, 0, most);
+                Self::limit_speed(dictionary);
+            }
+            (0x6080 | SPEEDS | 0x35B4, _) => Self::limit_speed(dictionary),
             _ => return false,
         }
         true
@@ -118,6 +132,17 @@ impl Servo {
             let share = least.map_or(0xFFFF, |limit| (limit * 1_000 / RATED).min(0xFFFF));
             put_number(dictionary, LIMITS, sub, share);
         }
+    }
+
+    /// 6080h, and in the modes of torque and current ICMDVLIM; a limit of 0 is none.
+    pub(super) fn limit_speed<D: Dictionary>(dictionary: &mut D) {
+        let own = number(dictionary, SPEEDS, 1);
+        let mode = number(dictionary, 0x6060, 0);
+        let has_own = own > 0 && matches!(mode, TORQUE | DIGITAL_CURRENT | ANALOGUE_CURRENT);
+        let most = number(dictionary, 0x6080, 0);
+        put_number(dictionary, 0x35A3, 1, most);
+        let most = if has_own { most.min(own) } else { most };
+        put_number(dictionary, SPEEDS, 2, most);
     }
 
     /// The analogue input asks for a current. Returns whether it is another one.
@@ -229,13 +254,13 @@ impl Servo {
             (0x3593, (i64::from(told.own_torque_constant) + 500) / 1_000),
             (0x358E, told.rated_current.into()),
             (0x358F, told.peak_current.into()),
-            (0x35A3, told.most_speed.into()),
             (0x38F9, i64::from(told.own_pole_pairs) * 2),
             (0x3900, 1),
         ] {
             put_number(dictionary, index, 1, value);
         }
         put_number(dictionary, 0x6080, 0, told.most_speed.into());
+        Self::limit_speed(dictionary);
     }
 
     /// VCOMM: the motor runs against its current, and ever faster.

@@ -11,7 +11,7 @@ fn character(bench: &mut Bench, character: u8) -> Result<(), u32> {
 }
 
 /// Gives a line, and reads its answer.
-fn line(bench: &mut Bench, text: &str) -> String {
+pub fn line(bench: &mut Bench, text: &str) -> String {
     for byte in text.bytes().chain([b'\r']) {
         character(bench, byte).unwrap();
     }

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::bench::Bench;
+use crate::prompt::line;
 use crate::steer::{NODE, begin, current, hold, number, on_servo, plant, statusword};
 
 /// Counts of a turn.
@@ -108,6 +109,70 @@ fn the_s200_has_an_analogue_current_mode() {
         assert!((flows - shown / 5.0).abs() < 20.0, "{flows} at {shown}");
         assert!(flows > 300.0);
     }
+}
+
+/// ISCALE1 and VSCALE1: what 10 V mean as a current and as a velocity.
+#[test]
+fn the_analogue_input_of_the_s200_has_its_scales() {
+    let mut bench = s200();
+    bench.drive.plant_mut().analogue = 2_000;
+    let mut bench = enabled(bench, 0x83);
+    hold(&mut bench);
+    for scale in [1_000, 3_000, -2_000] {
+        set(&mut bench, 0x3571, scale);
+        bench.run(300);
+        let wanted = f64::from(get(&mut bench, 0x3509) * scale) / 1e4;
+        let flows = current(&mut bench) * 1e3;
+        assert!((flows - wanted).abs() < 20.0, "{flows}, not {wanted}");
+        assert!(wanted.abs() > 300.0);
+    }
+    let mut bench = s200();
+    bench.drive.plant_mut().analogue = 2_000;
+    let mut bench = enabled(bench, 0x81);
+    for scale in [300, 1_200, -600] {
+        set(&mut bench, 0x3629, scale);
+        bench.run(1_500);
+        let wanted = f64::from(get(&mut bench, 0x3509) * scale) / 1e4;
+        let runs = speed(&mut bench);
+        assert!((runs / wanted - 1.0).abs() < 0.02, "{runs}, not {wanted}");
+    }
+}
+
+/// In 1/min.
+fn speed(bench: &mut Bench) -> f64 {
+    let from = rotor(bench);
+    bench.run(500);
+    (rotor(bench) - from) / TURN * 120.0
+}
+
+/// ICMDVLIM, by a line of text: the limit of the speed in the modes of torque and current, and in no other.
+#[test]
+fn the_torque_of_the_s200_ends_at_the_speed_of_icmdvlim() {
+    for mode in [4_u8, 0x82] {
+        let mut bench = enabled(s200(), mode);
+        assert_eq!(line(&mut bench, "ICMDVLIM"), "0\r\n", "none");
+        for limit in [600, 300] {
+            assert_eq!(line(&mut bench, &format!("ICMDVLIM {limit}")), "OK\r\n");
+            for direction in [1_i16, -1] {
+                torque(&mut bench, 200 * direction);
+                set(&mut bench, 0x360E, 800 * i32::from(direction));
+                bench.run(1_500);
+                let runs = speed(&mut bench) * f64::from(direction);
+                let most = f64::from(limit);
+                assert!((runs / most - 1.0).abs() < 0.05, "{mode:02X}h: {runs}");
+            }
+        }
+        line(&mut bench, "ICMDVLIM 0");
+        bench.run(1_500);
+        let runs = speed(&mut bench);
+        assert!((runs / -2_500.0 - 1.0).abs() < 0.05, "6080h: {runs}");
+    }
+    let mut bench = enabled(s200(), 0x80);
+    line(&mut bench, "ICMDVLIM 300");
+    number(&mut bench, 0x60FF, 0, 655_360);
+    bench.run(1_500);
+    let runs = speed(&mut bench);
+    assert!((runs / 600.0 - 1.0).abs() < 0.02, "{runs}");
 }
 
 #[test]
