@@ -292,6 +292,42 @@ fn a_pdo_of_the_nanotec_answers_a_remote_frame() {
     bench.send(&Frame::remote_frame(0x184, 2));
     let answer = bench.next(0x184, 20).expect("an answer");
     assert_eq!(answer.length(), 2);
+    // Bit 30 forbids remote frames; bit 29 would be a frame of 29 bits, which it does not know.
+    bench.write(NODE, 0x1800, 1, &0xC000_0184_u32.to_le_bytes());
+    bench.write(NODE, 0x1800, 1, &0x4000_0184_u32.to_le_bytes());
+    bench.run(50);
+    bench.sent.clear();
+    bench.send(&Frame::remote_frame(0x184, 2));
+    assert_eq!(count(&mut bench, 0x184, 20), 0);
+    let [a, b, c, d] = 0x2000_0184_u32.to_le_bytes();
+    let answer = bench.sdo(NODE, [0x23, 0x00, 0x18, 1, a, b, c, d]);
+    assert_eq!(answer, [0x80, 0x00, 0x18, 1, 0x30, 0x00, 0x09, 0x06]);
+}
+
+/// NMT, SYNC and TIME are for all: the TC1 follows the first two, and the third, which has no 1012h there, moves nothing.
+#[test]
+fn the_tc1_hears_what_is_for_all() {
+    let mut bench = booted("tc1");
+    bench.write(NODE, 0x1800, 1, &0xC000_0184_u32.to_le_bytes());
+    bench.write(NODE, 0x1800, 2, &[1]);
+    bench.write(NODE, 0x1800, 1, &0x4000_0184_u32.to_le_bytes());
+    let answers = |bench: &mut Bench, frame: Frame| -> Vec<u16> {
+        bench.sent.clear();
+        bench.send(&frame);
+        bench.run(20);
+        let own = bench.sent.iter().filter_map(Frame::standard_id);
+        own.collect()
+    };
+    let sync = Frame::data_frame(0x080, &[]);
+    assert!(answers(&mut bench, sync).is_empty());
+    bench.send(&Frame::data_frame(0x000, &[1, 0]));
+    bench.run(300);
+    assert_eq!(answers(&mut bench, sync), [0x184]);
+    let time = Frame::data_frame(0x100, &[4, 3, 2, 1, 6, 5]);
+    assert!(answers(&mut bench, time).is_empty());
+    assert_eq!(answers(&mut bench, sync), [0x184]);
+    bench.send(&Frame::data_frame(0x000, &[128, 0]));
+    assert!(answers(&mut bench, sync).is_empty());
 }
 
 mod each {

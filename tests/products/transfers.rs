@@ -1,6 +1,6 @@
 //! What the manuals promise of SDO transfers of more than one frame.
 
-use crate::promises::{booted, refusal};
+use crate::promises::{booted, refusal, segments};
 use crate::steer::{NODE, number};
 
 /// The code of an abort, whatever object it names.
@@ -73,6 +73,26 @@ fn the_tc1_gives_its_data_sheet() {
             own.index
         );
     }
+}
+
+/// Whole groups of motion tasks of the S200, 128 bytes, go both ways in segments.
+#[test]
+fn the_s200_moves_long_values_in_segments() {
+    let mut bench = booted("s200");
+    let tasks: Vec<u8> = (1..=128).collect();
+    let begin = bench.sdo(NODE, [0x21, 0x00, 0x51, 2, 128, 0, 0, 0]);
+    assert_eq!(begin, [0x60, 0x00, 0x51, 2, 0, 0, 0, 0]);
+    for (number, part) in tasks.chunks(7).enumerate() {
+        let toggle = (number as u8 & 1) << 4;
+        let is_last = number == 128 / 7;
+        let mut request = [0; 8];
+        request[0] = toggle | (7 - part.len() as u8) << 1 | u8::from(is_last);
+        request[1..=part.len()].copy_from_slice(part);
+        assert_eq!(bench.sdo(NODE, request)[0], 0x20 | toggle);
+    }
+    let begin = bench.sdo(NODE, [0x40, 0x00, 0x51, 2, 0, 0, 0, 0]);
+    assert_eq!(begin, [0x41, 0x00, 0x51, 2, 128, 0, 0, 0]);
+    assert_eq!(segments(&mut bench), tasks);
 }
 
 /// The Nanotec, whose manual has their abort codes and no more, knows blocks as well.

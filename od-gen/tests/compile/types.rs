@@ -229,6 +229,27 @@ fn over_the_bus() {
     assert_eq!(station.request(&[0x23, 0x0B, 0x20, 0, 0, 0, 0x20, 0x40])[0], 0x60);
     assert_eq!(station.request(&[0x23, 0x0B, 0x20, 0, 1, 0, 0x20, 0x40])[4..], [0x31, 0, 0x09, 0x06]);
     assert_eq!(station.node.dictionary().real32(), 2.5);
+    // Eight bytes and six, lowest first, in a segment or two: INTEGER64, REAL64, TIME_OF_DAY.
+    let real = (-1.5_f64).to_le_bytes();
+    for (index, value) in [(5, &(-0x0102_0304_0506_0708_i64).to_le_bytes()[..]), (0x0C, &real), (0x10, &[4, 3, 2, 1, 6, 5])] {
+        let length = value.len() as u8;
+        assert_eq!(station.request(&[0x21, index, 0x20, 0, length, 0, 0, 0])[0], 0x60);
+        let (first, rest) = value.split_at(value.len().min(7));
+        let mut request = [(7 - first.len() as u8) << 1 | u8::from(rest.is_empty()), 0, 0, 0, 0, 0, 0, 0];
+        request[1..=first.len()].copy_from_slice(first);
+        assert_eq!(station.request(&request)[0], 0x20);
+        if let [last] = rest {
+            assert_eq!(station.request(&[0x1D, *last, 0, 0, 0, 0, 0, 0])[0], 0x30);
+        }
+        assert_eq!(station.request(&[0x40, index, 0x20, 0, 0, 0, 0, 0]), [0x41, index, 0x20, 0, length, 0, 0, 0]);
+        let mut read = station.request(&[0x60, 0, 0, 0, 0, 0, 0, 0])[1..].to_vec();
+        read.extend(rest.first().map(|_| station.request(&[0x70, 0, 0, 0, 0, 0, 0, 0])[1]));
+        assert_eq!(read[..value.len()], *value, "20{index:02X}h");
+    }
+    let dictionary = station.node.dictionary();
+    assert_eq!(dictionary.integer64(), -0x0102_0304_0506_0708);
+    assert_eq!(dictionary.real64(), -1.5);
+    assert_eq!(dictionary.time_of_day(), DayTime { days: 0x0506, milliseconds: 0x0102_0304 });
     // A DOMAIN, both ways.
     assert_eq!(station.request(&[0x27, 0x18, 0x20, 0, 7, 8, 9, 0])[0], 0x60);
     assert_eq!(station.application.0.scratch.0, [7, 8, 9]);
