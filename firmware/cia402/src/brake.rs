@@ -62,11 +62,11 @@ pub(crate) struct Brakes {
     /// The brake as the state machine wants it.
     pub(crate) wanted: Brake,
     /// The brake itself: 60FEh may want it otherwise.
-    pub(crate) fitted: Brake,
+    pub(crate) actual: Brake,
     /// When the field has caught the rotor: from then on the motor may move.
-    pub(crate) caught: Instant,
+    pub(crate) aligned_at: Instant,
     /// From when on the brake may open, for the current has come so long before.
-    pub(crate) free: Instant,
+    pub(crate) may_open_at: Instant,
 }
 
 impl Brakes {
@@ -74,14 +74,14 @@ impl Brakes {
     pub(crate) const fn new() -> Self {
         Self {
             wanted: Brake::new(),
-            fitted: Brake::new(),
-            caught: Instant::from_ticks(0),
-            free: Instant::from_ticks(0),
+            actual: Brake::new(),
+            aligned_at: Instant::from_ticks(0),
+            may_open_at: Instant::from_ticks(0),
         }
     }
 
     /// Whether the field holds the rotor.
-    pub(crate) fn is_caught(&self, now: Instant) -> bool {
-        now >= self.caught
+    pub(crate) fn is_rotor_aligned(&self, now: Instant) -> bool {
+        now >= self.aligned_at
     }
 }

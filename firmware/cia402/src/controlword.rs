@@ -86,7 +86,7 @@ pub struct ControlwordHistory {
 
 /// What [`ControlwordHistory`] remembers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Passed {
+pub struct ControlwordEvents {
     /// Bits that rose.
     pub rising: u16,
     /// The strongest command to stop.
@@ -138,8 +138,8 @@ impl ControlwordHistory {
     }
 
     /// What is remembered, once.
-    pub const fn take(&mut self) -> Passed {
-        let taken = Passed {
+    pub const fn take(&mut self) -> ControlwordEvents {
+        let taken = ControlwordEvents {
             rising: self.rising,
             stop: self.stop,
             shutdown_first: self.shutdown_first,

@@ -106,7 +106,7 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
     ) -> Self {
         Self {
             node: Node::new(dictionary, settings),
-            sources: commissioning::UNTOLD,
+            sources: commissioning::FACTORY_SOURCES,
             configuration: settings.configuration(),
             hooks: Hooks::new(serial_number, application),
             phase: Phase::Off,
@@ -164,7 +164,7 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
         self.node.receive(frame, stamp, &mut self.hooks);
         self.take_reset();
         self.follow_state(&actuals, exchange);
-        self.heed_behaviour(stamp);
+        self.serve_behaviour(stamp);
         self.post(exchange);
         self.sync_event(stamp, exchange);
     }
@@ -201,7 +201,7 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
         let deadline = self.node.poll(now, &mut self.hooks);
         self.take_reset();
         self.follow_state(&actuals, exchange);
-        self.heed_behaviour(now);
+        self.serve_behaviour(now);
         self.post(exchange);
         self.sync_event(now, exchange);
         self.serve_controller();

@@ -35,7 +35,7 @@ use crate::objects::{Everything, Objects};
 use crate::periphery::Periphery;
 use crate::state_machine::{State, StateMachine};
 use crate::travel::SoftwareLimits;
-use crate::units::Frame;
+use crate::units::PositionFrame;
 
 use in_step::Cyclic;
 use network::Network;
@@ -48,7 +48,7 @@ pub struct Drive<D = Everything, A = StepAxis> {
     commands: Commands,
     configuration: Configuration,
     /// How the numbers of the user lie on the increments.
-    frame: Frame,
+    frame: PositionFrame,
     /// Where the motor may go.
     limits: SoftwareLimits,
     machine: StateMachine,
@@ -108,8 +108,8 @@ impl<D: Objects, L: EmitterLock> Drive<D, StepAxis<L>> {
     /// A drive with a step axis whose emitter a refill of higher priority uses, too.
     #[inline]
     pub fn with_emitter(config: DriveConfig, emitter: impl FnOnce() -> L) -> Self {
-        let lead = StepAxis::<L>::lead(config);
-        Self::with_actuator(|| StepAxis::new(config, emitter), lead, config.tick)
+        let ahead = StepAxis::<L>::commit_ahead(config);
+        Self::with_actuator(|| StepAxis::new(config, emitter), ahead, config.tick)
     }
 }
 
@@ -117,9 +117,9 @@ impl<D: Objects, L: EmitterLock> Drive<D, ServoAxis<L>> {
     /// A drive with a servo axis and its emitter. What the step generator of `config` is, decides how finely the path is known: a step is a count of the encoder.
     #[inline]
     pub fn servo(config: DriveConfig, emitter: impl FnOnce() -> L) -> Self {
-        let lead = StepAxis::<L>::lead(config);
+        let ahead = StepAxis::<L>::commit_ahead(config);
         let axis = || ServoAxis::new(config, emitter);
-        Self::with_actuator(axis, lead, config.tick)
+        Self::with_actuator(axis, ahead, config.tick)
     }
 }
 
@@ -130,16 +130,16 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
     /// A drive that is not ready to switch on, with an actuator that commits demands so long ahead of the motor, and with control ticks of
     /// this period. It becomes switch on disabled by itself with the first one.
     #[inline]
-    pub fn with_actuator(actuator: impl FnOnce() -> A, lead: MicrosQ16, tick: Duration) -> Self {
+    pub fn with_actuator(actuator: impl FnOnce() -> A, ahead: MicrosQ16, tick: Duration) -> Self {
         Self {
             commands: Commands::NONE,
             configuration: Configuration::NONE,
-            frame: Frame::new(),
+            frame: PositionFrame::new(),
             limits: SoftwareLimits::new(),
             machine: StateMachine::new(),
             modes: Modes::new(),
             faults: Faults::default(),
-            cyclic: Cyclic::new(lead, tick),
+            cyclic: Cyclic::new(ahead, tick),
             brakes: Brakes::new(),
             monitor: Monitor::new(),
             switches: Switches::default(),
@@ -254,7 +254,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         Outputs {
             next_tick,
             power_stage: self.power.is_on(),
-            brake_released: self.brakes.fitted.is_released(),
+            brake_released: self.brakes.actual.is_released(),
             drop_pulses: !self.power.is_on() || self.motor.is_cut(),
             current: self.motor_current(tick.elapsed),
             microsteps: self.configuration.microsteps,
@@ -304,7 +304,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         }
         let position = self.motor.position_of(inputs.position);
         self.await_rotor(now, inputs);
-        let is_held = self.power.is_on() && self.brakes.is_caught(now);
+        let is_held = self.power.is_on() && self.brakes.is_rotor_aligned(now);
         // It stood at the end of the last tick: its position must now be the one its demands lead to.
         let stood = self.motor.standstill();
         let is_displaced = is_held
@@ -402,7 +402,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
     fn restart(&mut self) {
         self.machine = StateMachine::new();
         self.faults = Faults::default();
-        self.monitor.forget_loss();
+        self.monitor.forget_following_error();
     }
 
     /// Forgets the data records that no mode may take any more; an early tick also those that wait for the next regular one, at which they

@@ -46,8 +46,8 @@ const BETWEEN: u16 = 8;
 const AFTER: u16 = 36;
 
 /// Steps of the glimpse and of its turn.
-const GLIMPSE: u16 = 1;
-const GLIMPSE_TURN: u16 = 40;
+const ALIVE_FLASH: u16 = 1;
+const ALIVE_PERIOD: u16 = 40;
 
 /// Steps of half a turn while the drive is ready.
 const READY: u16 = 10;
@@ -77,7 +77,9 @@ impl DriveLight {
         let same = self.said.is_some_and(|said| says_the_same(&said, &signal));
         let step = if same { self.step } else { 0 };
         let (is_lit, turn) = match signal.state {
-            State::NotReadyToSwitchOn | State::SwitchOnDisabled => (step < GLIMPSE, GLIMPSE_TURN),
+            State::NotReadyToSwitchOn | State::SwitchOnDisabled => {
+                (step < ALIVE_FLASH, ALIVE_PERIOD)
+            }
             State::ReadyToSwitchOn | State::SwitchedOn => (step < READY, 2 * READY),
             State::OperationEnabled | State::QuickStopActive => (true, 1),
             State::FaultReactionActive | State::Fault => of_code(signal.error_code, step),

@@ -26,7 +26,7 @@ pub(crate) struct Monitor {
     /// What was found in this tick.
     observed: Observed,
     /// The following error has been too large since the last fault reset.
-    has_lost: bool,
+    had_following_error: bool,
 }
 
 /// What a control tick found.
@@ -39,7 +39,7 @@ pub(crate) struct Observed {
     /// 606Bh less 606Ch.
     pub(crate) slippage: SignedSpeed,
     /// The following error has been outside of 6065h for 6066h.
-    pub(crate) is_lost: bool,
+    pub(crate) exceeds_window: bool,
 }
 
 impl Monitor {
@@ -49,7 +49,7 @@ impl Monitor {
             oldest: 0,
             outside: WindowTimer::new(),
             observed: Observed::NONE,
-            has_lost: false,
+            had_following_error: false,
         }
     }
 
@@ -58,14 +58,14 @@ impl Monitor {
         &self.observed
     }
 
-    /// Whether the following error has been too large since the last call of [`Monitor::forget_loss`].
-    pub(crate) const fn has_lost(&self) -> bool {
-        self.has_lost
+    /// Whether the following error has been too large since the last call of [`Monitor::forget_following_error`].
+    pub(crate) const fn had_following_error(&self) -> bool {
+        self.had_following_error
     }
 
     /// The master has reset the fault.
-    pub(crate) const fn forget_loss(&mut self) {
-        self.has_lost = false;
+    pub(crate) const fn forget_following_error(&mut self) {
+        self.had_following_error = false;
     }
 
     /// A tick in which the motor has no power: what it should do is what it does.
@@ -114,13 +114,13 @@ impl Monitor {
             velocity: demand.velocity.minus(slippage),
             slippage,
             // Looked at while it is off too, so that its time starts anew behind that.
-            is_lost: self.outside.has_held(
+            exceeds_window: self.outside.has_held(
                 now,
                 window != OFF && error.unsigned_abs() > window,
                 configuration.following_error_time_out,
             ),
         };
-        self.has_lost |= self.observed.is_lost;
+        self.had_following_error |= self.observed.exceeds_window;
         self.observed
     }
 
@@ -137,7 +137,7 @@ impl Observed {
         following_error: 0,
         velocity: SignedSpeed::ZERO,
         slippage: SignedSpeed::ZERO,
-        is_lost: false,
+        exceeds_window: false,
     };
 }
 
@@ -238,7 +238,7 @@ mod tests {
             (SignedSpeed::ZERO, 8_000.into())
         );
         assert_eq!(last.following_error, 99 * 8);
-        assert!(!last.is_lost, "6065h is off");
+        assert!(!last.exceeds_window, "6065h is off");
     }
 
     #[test]
@@ -276,13 +276,19 @@ mod tests {
         for (tick, error) in [(0, -1), (1, 1), (2, 0), (3, 1), (4, -1)] {
             let observed = monitor.observe(at(tick), demand(error, 900), 0, true, &configuration);
             assert_eq!(observed.following_error, 0);
-            assert!(!observed.is_lost);
+            assert!(!observed.exceeds_window);
         }
         // With an encoder it is one, and so are two steps that are missing.
         let observed = monitor.observe(at(5), demand(1, 900), 0, false, &configuration);
-        assert_eq!((observed.following_error, observed.is_lost), (1, true));
+        assert_eq!(
+            (observed.following_error, observed.exceeds_window),
+            (1, true)
+        );
         let observed = monitor.observe(at(6), demand(2, 900), 0, true, &configuration);
-        assert_eq!((observed.following_error, observed.is_lost), (2, true));
+        assert_eq!(
+            (observed.following_error, observed.exceeds_window),
+            (2, true)
+        );
         // At 2,000,000 steps/s seven of them pass between two looks.
         let fast = |error| demand(error, 2_000_000);
         let observed = monitor.observe(at(7), fast(8), 0, true, &configuration);
@@ -302,7 +308,7 @@ mod tests {
         let mut lost = |milliseconds, error| {
             monitor
                 .observe(at(milliseconds), demand(error, 0), 0, false, &configuration)
-                .is_lost
+                .exceeds_window
         };
         assert!(!lost(0, -6));
         assert!(!lost(9, -6));
@@ -323,7 +329,7 @@ mod tests {
             };
             monitor
                 .observe(at(milliseconds), demand(10, 0), 0, false, &configuration)
-                .is_lost
+                .exceeds_window
         };
         assert!(!lost(0, 5));
         assert!(!lost(500, OFF));

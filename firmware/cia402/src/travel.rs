@@ -6,7 +6,7 @@
 //! other names: whatever else is written does not move them.
 
 use crate::configuration::{Configuration, PositionLimitOptions};
-use crate::units::{Frame, Range, Ratio, Units};
+use crate::units::{PositionFrame, Range, Ratio, Units};
 
 /// The lowest and the highest position, on the count that goes on behind the ends of 607Bh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,7 +61,7 @@ struct Basis {
 }
 
 impl Basis {
-    fn of(configuration: &Configuration, frame: &Frame, units: &Units) -> Self {
+    fn of(configuration: &Configuration, frame: &PositionFrame, units: &Units) -> Self {
         Self {
             ratio: units.of_positions(),
             has_polarity: units.has_position_polarity(),
@@ -90,7 +90,7 @@ impl SoftwareLimits {
     }
 
     /// Whether homing, or the loss of the home position, has made these limits old.
-    pub(crate) fn are_old(&self, frame: &Frame, is_referenced: bool) -> bool {
+    pub(crate) fn are_old(&self, frame: &PositionFrame, is_referenced: bool) -> bool {
         self.is_referenced != is_referenced
             || self
                 .basis
@@ -102,7 +102,7 @@ impl SoftwareLimits {
     pub(crate) fn work_out(
         &mut self,
         configuration: &Configuration,
-        (frame, units): (&Frame, &Units),
+        (frame, units): (&PositionFrame, &Units),
         position: i64,
         is_referenced: bool,
     ) {

@@ -55,9 +55,9 @@ pub(crate) struct Average {
     left: i32,
     /// Where the plan was looked at last, and how it goes on.
     sampler: Sampler,
-    /// So many intervals of the grid will the plan have kept the velocity `pace`, Q96, or stood, when the sampler has come to its end.
+    /// So many intervals of the grid will the plan have kept the velocity `line_velocity`, Q96, or stood, when the sampler has come to its end.
     straight: u32,
-    pace: i128,
+    line_velocity: i128,
     stands: bool,
     /// Where the mean is at tick `until`, up to which the plan has been looked at, and what position and velocity grew by since the sample before.
     until: Ticks,
@@ -120,7 +120,7 @@ impl Average {
             left: 0,
             sampler: Sampler::NONE,
             straight: 0,
-            pace: 0,
+            line_velocity: 0,
             stands: false,
             until: 0,
             to: State {
@@ -178,7 +178,7 @@ impl Average {
         self.left = low::i32(count.wrapping_mul(self.window_distance & 1)).wrapping_neg();
         self.sampler = Sampler::NONE;
         self.straight = self.window.count.into();
-        self.pace = state.velocity;
+        self.line_velocity = state.velocity;
         self.stands = false;
         self.until = at;
         self.to.position = Position::from_bits(mean);
@@ -190,7 +190,7 @@ impl Average {
     /// The plan's own line has been followed up to tick `at`. A corner lies up to a tick before, so the velocity may not be the plan's.
     fn anchor_to(&mut self, plan: &Plan, at: Ticks) {
         let state = Exact {
-            velocity: self.pace,
+            velocity: self.line_velocity,
             ..plan.exact_at(at)
         };
         self.anchor(at, state);
@@ -337,10 +337,10 @@ impl Average {
         let from = line.at(at);
         let corner = plan.next_corner(at).unwrap_or(Ticks::MAX);
         let is_long = corner.saturating_sub(at) > self.window.grid.into();
-        if !is_long || !line.is_line() || from.velocity != self.pace {
+        if !is_long || !line.is_line() || from.velocity != self.line_velocity {
             return false;
         }
-        let late = product(self.pace, self.window.ticks()) >> 1;
+        let late = product(self.line_velocity, self.window.ticks()) >> 1;
         self.straight = self.straight();
         self.sampler = Sampler::NONE;
         self.until = corner;
@@ -405,17 +405,17 @@ impl Average {
         // An end that is rounded up may be a tick behind the sample that is at the target already.
         let stands = end <= next
             || end - next < self.window.grid.into() && sample(ahead.position) == sample(rest);
-        let (keeps, pace, half) = if stands {
+        let (keeps, line_velocity, half) = if stands {
             (self.stands || end <= at, 0, 0)
         } else {
             let half = phase.as_ref().map_or(0, Phase::half_acceleration);
             let is_one = phase.as_ref().is_some_and(|phase| phase.start() <= at);
-            let keeps = is_one && half == 0 && ahead.velocity == self.pace;
+            let keeps = is_one && half == 0 && ahead.velocity == self.line_velocity;
             (keeps, ahead.velocity, half)
         };
         self.straight = if keeps { straight.saturating_add(1) } else { 0 };
         self.stands = stands;
-        self.pace = pace;
+        self.line_velocity = line_velocity;
         let grid = self.window.grid;
         let gain = product(half, grid);
         let growth = product(gain, grid).wrapping_mul(2);
@@ -437,7 +437,7 @@ impl Average {
         self.sampler = Sampler {
             left,
             position: position.wrapping_add(1 << 63),
-            distance: product(pace.wrapping_add(gain), grid),
+            distance: product(line_velocity.wrapping_add(gain), grid),
             growth,
         };
     }

@@ -23,7 +23,7 @@ pub fn quotient(numerator: u128, digits: u32, divisor: u128) -> u128 {
 pub(crate) struct Divisor {
     /// The divisor, shifted up until the leading bit of 96 is set.
     high: u32,
-    rest: u64,
+    low_digits: u64,
     /// ⌊(2⁶⁴ − 1) / high⌋ − 2³²
     reciprocal: u32,
     /// How far its leading digit was shifted up within itself.
@@ -47,7 +47,7 @@ impl Divisor {
         let high = pair(high, middle, shift);
         Self {
             high,
-            rest: u64::from(pair(middle, low, shift)) << 32 | u64::from(low << shift),
+            low_digits: u64::from(pair(middle, low, shift)) << 32 | u64::from(low << shift),
             reciprocal: estimate(u64::from(!high) << 32 | u64::from(u32::MAX), high),
             shift,
             length: if is_divisor { length } else { 0 },
@@ -80,8 +80,8 @@ impl Divisor {
             iterations.count();
             let mut digit = self.digit(first, (second >> 32) as u32);
             // Remainder and next digit, less the product.
-            let low = u64::from(low::u32(self.rest)) * u64::from(digit);
-            let middle = (self.rest >> 32) * u64::from(digit) + (low >> 32);
+            let low = u64::from(low::u32(self.low_digits)) * u64::from(digit);
+            let middle = (self.low_digits >> 32) * u64::from(digit) + (low >> 32);
             let top = u64::from(self.high) * u64::from(digit) + (middle >> 32);
             let below = middle << 32 | u64::from(low::u32(low));
             let (mut lower, borrow) = (second << 32 | rest >> 32).overflowing_sub(below);
@@ -92,7 +92,7 @@ impl Divisor {
             while upper >> 63 != 0 {
                 iterations.count();
                 digit -= 1;
-                let (sum, carry) = lower.overflowing_add(self.rest);
+                let (sum, carry) = lower.overflowing_add(self.low_digits);
                 lower = sum;
                 upper = upper
                     .wrapping_add(self.high.into())

@@ -23,7 +23,7 @@ impl Speed {
     pub const MAX: Self = Self(u64::MAX);
     /// How far a velocity that is kept may lie from the one that was asked for, 2⁻²⁴ steps/s: ticks are counted in whole numbers, and what
     /// is rounded down on the way to steps per tick comes back as a little less.
-    pub const GRAIN: Self = Self(1 << 8);
+    pub const TOLERANCE: Self = Self(1 << 8);
 
     /// A whole number of steps/s.
     #[allow(clippy::cast_lossless, reason = "From is not const; the cast widens")]
@@ -61,7 +61,7 @@ impl Speed {
     }
 
     /// The velocity of this amount in the direction of another one; forwards if that is 0.
-    pub const fn like(self, other: SignedSpeed) -> SignedSpeed {
+    pub const fn with_sign_of(self, other: SignedSpeed) -> SignedSpeed {
         self.signed(other.0 < 0)
     }
 
@@ -107,9 +107,9 @@ impl SignedSpeed {
         Speed(self.0.abs_diff(other.0))
     }
 
-    /// Whether a velocity that is kept is this one: they lie no further apart than [`Speed::GRAIN`].
-    pub const fn is_like(self, other: Self) -> bool {
-        self.0.abs_diff(other.0) <= Speed::GRAIN.0
+    /// Whether a velocity that is kept is this one: they lie no further apart than [`Speed::TOLERANCE`].
+    pub const fn is_close_to(self, other: Self) -> bool {
+        self.0.abs_diff(other.0) <= Speed::TOLERANCE.0
     }
 
     /// The same the other way; 2³¹ steps/s backwards become a little less.
@@ -130,7 +130,7 @@ impl SignedSpeed {
     /// The velocity nearest to this one of an amount that is not greater than `most`.
     pub const fn within(self, most: Speed) -> Self {
         if self.0.unsigned_abs() > most.0 {
-            most.like(self)
+            most.with_sign_of(self)
         } else {
             self
         }

@@ -67,7 +67,7 @@ impl<L: EmitterLock> StepAxis<L> {
     }
 
     /// How long ahead of the motor an axis commits its pulses: two segments.
-    pub(crate) fn lead(config: DriveConfig) -> MicrosQ16 {
+    pub(crate) fn commit_ahead(config: DriveConfig) -> MicrosQ16 {
         let axis = outlast_tick(config);
         let hz = u64::from(axis.clock.hz());
         let ahead = u64::from(axis.segment).saturating_mul(2_000_000) << POINT;

@@ -161,7 +161,7 @@ impl Pll {
     /// Whether the next moment may have passed without its sync event: false for certain.
     #[inline]
     pub(crate) const fn may_miss(&self, now: MicrosQ16) -> bool {
-        self.is_running && span(self.at.wrapping_add(self.period), now) >= LEAST_PATIENCE
+        self.is_running && span(self.at.wrapping_add(self.period), now) >= SHORTEST_TIMEOUT
     }
 
     /// Lets time pass. True if the next moment has passed without its sync event.
@@ -170,7 +170,7 @@ impl Pll {
             return false;
         }
         let next = self.at.wrapping_add(self.period);
-        if span(next, now) < patience(self.period).cast_signed() {
+        if span(next, now) < timeout(self.period).cast_signed() {
             return false;
         }
         self.at = next;
@@ -276,11 +276,11 @@ impl Pll {
 }
 
 /// Every sync event is waited for so long, a quarter of a millisecond.
-const LEAST_PATIENCE: i64 = (SHORTEST / 2).cast_signed();
+const SHORTEST_TIMEOUT: i64 = (SHORTEST / 2).cast_signed();
 
 /// How long after its moment a sync event is waited for. Half a period, but of short periods less than a control tick, so that there is time to
 /// bridge what is missing.
-pub(crate) fn patience(period: MicrosQ16) -> MicrosQ16 {
+pub(crate) fn timeout(period: MicrosQ16) -> MicrosQ16 {
     const BRIDGING: MicrosQ16 = 3_500 << POINT;
     const LEAST: MicrosQ16 = 500 << POINT;
     period.saturating_sub(BRIDGING).max(LEAST).min(period / 2)

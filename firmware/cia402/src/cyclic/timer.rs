@@ -6,9 +6,9 @@
 
 use canopen::{Duration, Instant};
 
-/// What the timer was told.
+/// What the timer was programmed.
 #[derive(Clone, Copy, Debug)]
-struct Told {
+struct Programmed {
     /// When the tick was to run that runs now.
     now: Instant,
     /// When the tick is to run that the timer counts to.
@@ -22,7 +22,7 @@ struct Told {
 pub struct TickTimer {
     /// A nominal tick in microseconds.
     nominal: i64,
-    told: Option<Told>,
+    programmed: Option<Programmed>,
 }
 
 impl TickTimer {
@@ -30,7 +30,7 @@ impl TickTimer {
     pub const fn new(nominal: Duration) -> Self {
         Self {
             nominal: nominal.ticks().cast_signed(),
-            told: None,
+            programmed: None,
         }
     }
 
@@ -38,20 +38,22 @@ impl TickTimer {
     /// the tick behind that one is to be long: 1/2 to 9/8 of a nominal tick, `None` for a nominal one.
     pub fn next(&mut self, now: Instant, due: Option<Instant>) -> Option<u32> {
         let Some(due) = due else {
-            self.told = None;
+            self.programmed = None;
             return None;
         };
-        let told = self.told.filter(|told| self.is_near(told.now, now));
-        let (counts_to, tick) = match told {
-            Some(told) => {
-                let late = micros(told.now, now) / 16;
-                (later(told.next, late), micros(told.due, due))
+        let programmed = self
+            .programmed
+            .filter(|programmed| self.is_near(programmed.now, now));
+        let (counts_to, tick) = match programmed {
+            Some(programmed) => {
+                let late = micros(programmed.now, now) / 16;
+                (later(programmed.next, late), micros(programmed.due, due))
             }
             None => (later(now, self.nominal), self.nominal),
         };
         let length = micros(counts_to, later(due, self.within(tick)));
         let length = self.within(length);
-        self.told = Some(Told {
+        self.programmed = Some(Programmed {
             now: counts_to,
             next: later(counts_to, length),
             due,

@@ -14,7 +14,7 @@ const APART: u64 = 250;
 #[derive(Debug)]
 pub(crate) struct Timescale {
     /// Ticks in a microsecond, Q16.
-    pace: u32,
+    ticks_per_micro: u32,
     /// Microseconds in a tick, Q32.
     tick: u64,
     /// The axis' time less that of the microseconds, in ticks.
@@ -27,7 +27,7 @@ impl Timescale {
     pub(crate) fn new(hz: u32) -> Self {
         Self {
             // Less than 2³² / 15.
-            pace: low::u32((u64::from(hz) << POINT) / 1_000_000),
+            ticks_per_micro: low::u32((u64::from(hz) << POINT) / 1_000_000),
             tick: (1_000_000_u64 << 32).checked_div(hz.into()).unwrap_or(0),
             ahead: 0,
             is_running: false,
@@ -43,7 +43,7 @@ impl Timescale {
     pub(crate) fn compare(&mut self, now: MicrosQ16, played: u64) {
         let measured = played.wrapping_sub(self.whole(now));
         let apart = measured.wrapping_sub(self.ahead).cast_signed();
-        let most = u64::from(self.pace).wrapping_mul(APART) >> POINT;
+        let most = u64::from(self.ticks_per_micro).wrapping_mul(APART) >> POINT;
         self.ahead = if self.is_running && apart.unsigned_abs() <= most {
             self.ahead.wrapping_add_signed(apart >> 6)
         } else {
@@ -68,8 +68,10 @@ impl Timescale {
     }
 
     fn whole(&self, time: MicrosQ16) -> u64 {
-        let pace = u64::from(self.pace);
-        let low = (time & u64::from(u32::MAX)).wrapping_mul(pace) >> (2 * POINT);
-        (time >> (2 * POINT)).wrapping_mul(pace).wrapping_add(low)
+        let ticks_per_micro = u64::from(self.ticks_per_micro);
+        let low = (time & u64::from(u32::MAX)).wrapping_mul(ticks_per_micro) >> (2 * POINT);
+        (time >> (2 * POINT))
+            .wrapping_mul(ticks_per_micro)
+            .wrapping_add(low)
     }
 }

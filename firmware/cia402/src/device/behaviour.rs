@@ -10,7 +10,7 @@ use crate::faults::emergency;
 impl<D: Behaves, A: Application<D>> Device<D, A> {
     /// Does what the module of the product asks for.
     #[inline]
-    pub(super) fn heed_behaviour(&mut self, now: Instant) {
+    pub(super) fn serve_behaviour(&mut self, now: Instant) {
         if !D::Behaviour::IS_THERE {
             return;
         }

@@ -314,4 +314,4 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
 }
 
 /// Where a device that was told nothing has its settings from.
-pub(super) const UNTOLD: (Source, Source) = (Source::Factory, Source::Factory);
+pub(super) const FACTORY_SOURCES: (Source, Source) = (Source::Factory, Source::Factory);

@@ -11,7 +11,7 @@ use crate::exchange::Share;
 
 /// How long a master that has ordered to store waits for a motor that is just being switched off. A moment is needed in any
 /// case: the drive is safe when a control tick has seen the latest commands.
-const PATIENCE: Duration = Duration::millis(50);
+const POWER_OFF_TIMEOUT: Duration = Duration::millis(50);
 
 impl<D: Behaves, A: Application<D>> Device<D, A> {
     /// The same device on a board that stores parameters: the firmware calls [`Device::serve_store`].
@@ -50,7 +50,7 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
             self.node.store_parameters(store, now);
         } else {
             let since = *self.unsafe_since.get_or_insert(now);
-            if now.ticks().saturating_sub(since.ticks()) >= PATIENCE.ticks() {
+            if now.ticks().saturating_sub(since.ticks()) >= POWER_OFF_TIMEOUT.ticks() {
                 self.unsafe_since = None;
                 self.node.refuse_storing(AbortCode::DeviceState);
             }

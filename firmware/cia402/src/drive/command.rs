@@ -5,7 +5,7 @@ use crate::actuator::{Actuator, ActuatorErrors};
 use crate::controlword::{Command, FAULT_RESET};
 use crate::faults::Reaction;
 use crate::objects::Objects;
-use crate::state_machine::{Stage, State};
+use crate::state_machine::{Phase, State};
 
 impl<D: Objects, A: Actuator> Drive<D, A> {
     /// The command of this tick: that of the controlword; or, as a controlword with bit 7 is none, the one before it to leave
@@ -32,7 +32,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             State::Fault | State::FaultReactionActive
         );
         let resets = is_faulty
-            && (self.machine.stage() == Stage::Reset || commands.rising & FAULT_RESET != 0);
+            && (self.machine.phase() == Phase::Reset || commands.rising & FAULT_RESET != 0);
         self.shutdown_first = hurried && (commands.stop.is_some() || resets);
         if commands.stop.is_some() {
             commands.stop
@@ -58,7 +58,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         self.faults.sync_differs(
             self.cyclic.differs() && self.modes.active().is_cyclic() && self.power.is_on(),
         );
-        if !core::mem::take(&mut self.cyclic.has_lost) {
+        if !core::mem::take(&mut self.cyclic.set_points_lost) {
             return None;
         }
         self.cyclic.lost = self.cyclic.lost.saturating_add(1);

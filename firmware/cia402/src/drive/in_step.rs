@@ -23,7 +23,7 @@ pub(crate) struct Cyclic {
     pub(crate) slots: Slots,
     pub(crate) buffer: Buffer,
     /// Too many set-points were missing in this tick.
-    pub(crate) has_lost: bool,
+    pub(crate) set_points_lost: bool,
     /// How often that was.
     pub(crate) lost: u32,
     /// What the clock of the network shows, and whether SYNC comes with another period than is set up. Worked out when something has
@@ -43,7 +43,7 @@ impl Cyclic {
             schedule,
             slots: Slots::new(),
             buffer: Buffer::new(),
-            has_lost: false,
+            set_points_lost: false,
             lost: 0,
             shown: SyncStatus::NONE,
             differs: false,

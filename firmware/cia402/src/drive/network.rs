@@ -53,7 +53,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             .commands
             .connection_error
             .filter(|_| !self.commands.remote);
-        let (is_remote, command, fault) = self.under_6007h(error, command);
+        let (is_remote, command, fault) = self.apply_abort_connection(error, command);
         let is_abandoned = self.network == Network::Abandoned && error.is_some();
         let network = if fault.is_some() || is_abandoned {
             Network::Abandoned
@@ -72,7 +72,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
     }
 
     /// Whether the network may command the drive, the command, and the fault that the loss of it is.
-    fn under_6007h(
+    fn apply_abort_connection(
         &mut self,
         error: Option<u16>,
         command: Option<Command>,

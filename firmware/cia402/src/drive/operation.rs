@@ -106,7 +106,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
                     buffer: &mut self.cyclic.buffer,
                     pipeline: &self.cyclic.pipeline,
                     is_early: tick.is_early,
-                    lost_set_points: &mut self.cyclic.has_lost,
+                    lost_set_points: &mut self.cyclic.set_points_lost,
                 });
                 bits | limit
             }

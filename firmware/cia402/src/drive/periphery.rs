@@ -10,8 +10,8 @@ use crate::periphery::News;
 use crate::periphery::digital_outputs::Shown;
 use crate::periphery::motor_current::Motion;
 
-/// A rotor that its field has caught swings for so long, in microseconds.
-const CATCH: u64 = 50_000;
+/// A rotor that its field has aligned_at swings for so long, in microseconds.
+const ALIGNMENT_TIME: u64 = 50_000;
 
 impl<D: Objects, A: Actuator> Drive<D, A> {
     /// What the board has measured, and what the master wants of the outputs, at the start of a tick.
@@ -80,12 +80,12 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         let release = match self.periphery.outputs.brake() {
             Some(manual) => {
                 let is_turning = self.power.is_on() && !self.motor.standstill();
-                let is_released = self.brakes.fitted.is_released();
+                let is_released = self.brakes.actual.is_released();
                 manual || is_turning && is_released && !self.is_overdue(now)
             }
             None => self.brakes.wanted.is_released(),
         };
-        self.brakes.fitted.set(release, now);
+        self.brakes.actual.set(release, now);
     }
 
     /// Power that comes draws the rotor to the nearest place of its field, up to two full steps away. Where an encoder shows that, the
@@ -95,23 +95,23 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             let brake = &self.configuration.brake;
             let power = u64::from(brake.power).saturating_mul(1_000);
             let release = u64::from(brake.release).saturating_mul(1_000);
-            self.brakes.free = Instant::from_ticks(now.ticks().saturating_add(power));
+            self.brakes.may_open_at = Instant::from_ticks(now.ticks().saturating_add(power));
             // A field that is led by the rotor draws it nowhere.
             let is_drawn = inputs.position_tolerance != 0 && Self::MODES & TORQUE_MODES == 0;
             let wait = if is_drawn {
-                power.saturating_add(release).saturating_add(CATCH)
+                power.saturating_add(release).saturating_add(ALIGNMENT_TIME)
             } else {
                 0
             };
-            self.brakes.caught = Instant::from_ticks(now.ticks().saturating_add(wait));
+            self.brakes.aligned_at = Instant::from_ticks(now.ticks().saturating_add(wait));
         }
     }
 
     /// Whether the brake, and the rotor that is drawn to its field, let the motor move, and are to go on doing so.
     pub(super) fn is_brake_open(&self, now: Instant) -> bool {
-        self.brakes.is_caught(now)
+        self.brakes.is_rotor_aligned(now)
             && self.periphery.outputs.brake() != Some(false)
-            && self.brakes.fitted.is_open(self.configuration.brake, now)
+            && self.brakes.actual.is_open(self.configuration.brake, now)
     }
 
     /// The current of the motor in milliamperes.
@@ -157,7 +157,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             statusword,
             referenced: self.motor.is_referenced(),
             moving: !self.motor.standstill(),
-            brake_released: self.brakes.fitted.is_released(),
+            brake_released: self.brakes.actual.is_released(),
         };
         self.periphery
             .outputs

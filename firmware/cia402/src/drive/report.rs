@@ -64,7 +64,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
                     statusword::REMOTE,
                 )
                 | bit(
-                    self.monitor.has_lost() && mode.has_following_error(),
+                    self.monitor.had_following_error() && mode.has_following_error(),
                     statusword::FOLLOWING_ERROR,
                 )
                 | bit(

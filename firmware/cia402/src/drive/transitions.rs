@@ -7,12 +7,12 @@ use crate::controlword::Command;
 use crate::faults::Reaction;
 use crate::objects::Objects;
 use crate::option_codes::{Stop, StopRamp};
-use crate::state_machine::{Conditions, Stage, State, Transition};
+use crate::state_machine::{Conditions, Phase, State, Transition};
 
 impl<D: Objects, A: Actuator> Drive<D, A> {
     /// Whether operation is enabled as it was in the tick before, and nothing else is asked for: only a fault changes the state.
     pub(super) fn is_unchanged(&self, is_asked: bool) -> bool {
-        !is_asked && self.machine.stage() == Stage::Settled
+        !is_asked && self.machine.phase() == Phase::Settled
     }
 
     /// Faults, then the state machine, then what a transition does to the motor.
@@ -25,7 +25,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             tick.inputs,
             self.power.is_on(),
             !D::DRIVE_HABITS.following_error_is_told
-                && (tick.is_displaced || self.monitor.observed().is_lost),
+                && (tick.is_displaced || self.monitor.observed().exceeds_window),
             both_limits,
             &self.periphery.stage,
             found,
@@ -68,7 +68,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             // It waits for nothing, and no fault reaction goes on against it.
             self.power_off();
         }
-        let may_open = now >= self.brakes.free && !self.is_leaving(remote, command);
+        let may_open = now >= self.brakes.may_open_at && !self.is_leaving(remote, command);
         let is_open = self.power.is_on() && (self.brakes.wanted.is_released() || may_open);
         self.brakes.wanted.set(is_open, now);
         self.end_own_stop(now, remote);
@@ -107,7 +107,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
                 _ => self.power_off(),
             },
             State::SwitchOnDisabled if transition.from == State::Fault => {
-                self.monitor.forget_loss();
+                self.monitor.forget_following_error();
                 self.faults.reset();
             }
             _ => self.power_off(),

@@ -13,7 +13,7 @@
 //! command value: 1 as long as it does. Bit 13: following error.
 
 use super::following::{Following, Outcome};
-use super::{Context, Parts};
+use super::{Context, DriveTypes};
 use crate::actuator::Actuator;
 use crate::statusword::{FOLLOWS, INTERNAL_LIMIT, TARGET_REACHED};
 
@@ -21,14 +21,14 @@ use crate::statusword::{FOLLOWS, INTERNAL_LIMIT, TARGET_REACHED};
 #[derive(Debug)]
 pub(super) struct CyclicPosition {
     motion: Following,
-    held: bool,
+    is_held: bool,
 }
 
 impl CyclicPosition {
     pub(super) const fn new() -> Self {
         Self {
             motion: Following::new(),
-            held: false,
+            is_held: false,
         }
     }
 
@@ -44,15 +44,15 @@ impl CyclicPosition {
 
     /// One control tick; returns statusword bits 10 to 12.
     #[inline(never)]
-    pub(super) fn tick(&mut self, context: &mut Context<'_, impl Parts>) -> u16 {
+    pub(super) fn tick(&mut self, context: &mut Context<'_, impl DriveTypes>) -> u16 {
         if context.is_held() {
-            if !self.held {
-                self.held = true;
+            if !self.is_held {
+                self.is_held = true;
                 self.motion.forget();
                 context.halt();
             }
         } else {
-            self.held = false;
+            self.is_held = false;
             for slot in context.slots {
                 let position = slot.event.and_then(|event| event.position);
                 let target = position.map(|position| context.target(position));
@@ -71,7 +71,7 @@ impl CyclicPosition {
 }
 
 /// Statusword bits 10 to 12 of the modes that follow positions.
-pub(super) fn bits(motion: &Following, context: &Context<'_, impl Parts>) -> u16 {
+pub(super) fn bits(motion: &Following, context: &Context<'_, impl DriveTypes>) -> u16 {
     let bit = |condition, bit| if condition { bit } else { 0 };
     let stands = context.is_halted() && context.motor.standstill();
     bit(stands, TARGET_REACHED)

@@ -12,7 +12,7 @@
 //! Bit 10: during halt, the motor stands. Bit 12, drive follows the command value: 0 as well while a software limit or a limit switch keeps
 //! it from that.
 
-use super::{Context, Parts};
+use super::{Context, DriveTypes};
 use motion::{Limits, Ramps, SignedSpeed, Speed};
 
 use super::following::{braking_distance, gain, seconds};
@@ -30,7 +30,7 @@ pub(super) struct CyclicVelocity {
     is_limited: bool,
     /// A software limit or a limit switch is in the way.
     is_blocked: bool,
-    held: bool,
+    is_held: bool,
     /// What is asked for.
     velocity: SignedSpeed,
     /// What is carried out.
@@ -49,7 +49,7 @@ impl CyclicVelocity {
             follows: false,
             is_limited: false,
             is_blocked: false,
-            held: false,
+            is_held: false,
             velocity: SignedSpeed::ZERO,
             carried_out: SignedSpeed::ZERO,
             bridged: 0,
@@ -85,16 +85,16 @@ impl CyclicVelocity {
 
     /// One control tick; returns statusword bits 10 to 12.
     #[inline(never)]
-    pub(super) fn tick(&mut self, context: &mut Context<'_, impl Parts>) -> u16 {
+    pub(super) fn tick(&mut self, context: &mut Context<'_, impl DriveTypes>) -> u16 {
         if context.is_held() {
-            if !self.held {
-                self.held = true;
+            if !self.is_held {
+                self.is_held = true;
                 self.follows = false;
                 self.goes_on = false;
                 context.halt();
             }
         } else {
-            self.held = false;
+            self.is_held = false;
             for slot in context.slots {
                 self.take(slot, context);
             }
@@ -114,7 +114,7 @@ impl CyclicVelocity {
             | bit(self.follows && !self.is_blocked, FOLLOWS)
     }
 
-    fn take(&mut self, slot: &Slot, context: &mut Context<'_, impl Parts>) {
+    fn take(&mut self, slot: &Slot, context: &mut Context<'_, impl DriveTypes>) {
         let asked = slot.event.and_then(|event| event.velocity);
         let lost = &context.configuration.cyclic.lost;
         match asked {
@@ -167,7 +167,7 @@ impl CyclicVelocity {
     }
 
     /// Until the first set-point: a motion that has no end, or ends beyond a software limit, becomes one that ends at the limit.
-    fn go_on(&mut self, context: &mut Context<'_, impl Parts>) {
+    fn go_on(&mut self, context: &mut Context<'_, impl DriveTypes>) {
         if context.motor.is_at_rest() {
             self.goes_on = false;
             return;
@@ -189,7 +189,7 @@ impl CyclicVelocity {
         });
         let order = Order {
             asked: velocity,
-            velocity: limits.velocity.like(velocity),
+            velocity: limits.velocity.with_sign_of(velocity),
             limits,
             travel,
             ramps: Ramps::Linear,
@@ -200,7 +200,11 @@ impl CyclicVelocity {
     }
 
     /// The velocity within all limits.
-    fn allowed(&mut self, interval: MicrosQ16, context: &Context<'_, impl Parts>) -> SignedSpeed {
+    fn allowed(
+        &mut self,
+        interval: MicrosQ16,
+        context: &Context<'_, impl DriveTypes>,
+    ) -> SignedSpeed {
         let asked = self.velocity;
         let before = context.motor.path_end();
         let wanted = asked.within(context.max_velocity());
@@ -226,7 +230,7 @@ fn within_ramps(
     velocity: SignedSpeed,
     before: SignedSpeed,
     interval: MicrosQ16,
-    context: &Context<'_, impl Parts>,
+    context: &Context<'_, impl DriveTypes>,
 ) -> SignedSpeed {
     let seconds = seconds(interval);
     let grows = velocity.unsigned_abs() > before.unsigned_abs();
@@ -251,7 +255,7 @@ fn before_limit(
     velocity: SignedSpeed,
     interval: MicrosQ16,
     position: i64,
-    context: &Context<'_, impl Parts>,
+    context: &Context<'_, impl DriveTypes>,
 ) -> SignedSpeed {
     let (low, high) = context.travel.increments;
     let available = match velocity.bits() {

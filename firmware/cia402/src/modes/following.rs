@@ -19,8 +19,8 @@ mod period;
 
 use motion::{Limits, Speed};
 
-use super::{Context, Parts};
-use acceleration::{Most, SetPoints};
+use super::{Context, DriveTypes};
+use acceleration::{MaxChange, SetPoints};
 use period::{away, distance_at, distance_q16, may_brake_behind, over, slope, to, whole};
 
 pub(super) use period::{braking_distance, gain, seconds};
@@ -58,7 +58,7 @@ struct Knot {
 
 /// How the next set-point is gone to.
 #[derive(Clone, Copy, Debug)]
-struct PathSegment {
+struct SegmentTiming {
     /// The time from the set-point before.
     interval: MicrosQ16,
     /// It begins where the last set-point was, about a period before.
@@ -144,7 +144,7 @@ impl Following {
         &mut self,
         slot: Slot,
         target: Option<i64>,
-        context: &mut Context<'_, impl Parts>,
+        context: &mut Context<'_, impl DriveTypes>,
     ) -> Outcome {
         let is_cubic = context.configuration.cyclic.is_cubic;
         let end = slot.due(context.pipeline, is_cubic);
@@ -248,7 +248,7 @@ impl Following {
         end: MicrosQ16,
         period: MicrosQ16,
         motor: &mut Motor<impl Actuator>,
-    ) -> Option<PathSegment> {
+    ) -> Option<SegmentTiming> {
         let is_steady = |interval: MicrosQ16| interval.abs_diff(period) <= period / 4;
         let mut path = motor.path_to(end);
         if let Some(waiting) = self.waiting {
@@ -258,7 +258,7 @@ impl Following {
                 if self.is_catching_up {
                     self.distance = over(self.distance, waiting.interval, interval);
                 }
-                return Some(PathSegment {
+                return Some(SegmentTiming {
                     interval,
                     is_in_step: true,
                 });
@@ -281,7 +281,7 @@ impl Following {
             self.at = self.at.wrapping_add(away);
             self.distance = path.distance >> (32 - POINT);
         }
-        (interval >= period / 4).then_some(PathSegment {
+        (interval >= period / 4).then_some(SegmentTiming {
             interval,
             is_in_step,
         })
@@ -297,7 +297,11 @@ impl Following {
     }
 
     /// The distance that is asked for; `None` if too many set-points are missing.
-    fn required(&mut self, target: Option<i64>, context: &Context<'_, impl Parts>) -> Option<i64> {
+    fn required(
+        &mut self,
+        target: Option<i64>,
+        context: &Context<'_, impl DriveTypes>,
+    ) -> Option<i64> {
         let lost = &context.configuration.cyclic.lost;
         if let Some(goal) = target {
             self.head_for(goal);
@@ -326,7 +330,7 @@ impl Following {
         velocity: i64,
         most: i64,
         seconds: u64,
-        context: &Context<'_, impl Parts>,
+        context: &Context<'_, impl DriveTypes>,
     ) -> i64 {
         let asked = required;
         let has_ends = context.travel.increments != Travel::NONE.increments;
@@ -347,9 +351,9 @@ impl Following {
         } else {
             let at = whole(self.at.saturating_add(required));
             // A steady motion keeps to limits of any size.
-            let least = Most::rounding(self.rounding);
+            let least = MaxChange::rounding(self.rounding);
             self.set_points.may_be_followed_by(at, least) || {
-                let most = Most {
+                let most = MaxChange {
                     up: gain(context.configuration.max_acceleration, seconds),
                     down: gain(context.configuration.max_deceleration, seconds),
                     ..least
@@ -396,13 +400,18 @@ impl Following {
     }
 
     /// The distance, if no limit switch blocks it.
-    fn outside_limit_switches(distance: i64, context: &Context<'_, impl Parts>) -> i64 {
+    fn outside_limit_switches(distance: i64, context: &Context<'_, impl DriveTypes>) -> i64 {
         let is_free = context.motor.is_free(distance).is_ok();
         if is_free { distance } else { 0 }
     }
 
     /// The distance that still lets the motor stop at a software limit.
-    fn before_limit(&self, distance: i64, seconds: u64, context: &Context<'_, impl Parts>) -> i64 {
+    fn before_limit(
+        &self,
+        distance: i64,
+        seconds: u64,
+        context: &Context<'_, impl DriveTypes>,
+    ) -> i64 {
         let (low, high) = context.travel.increments;
         let available = match distance {
             1.. => distance_q16(high).saturating_sub(self.at),
@@ -450,7 +459,7 @@ impl Following {
 }
 
 /// By how much a distance may grow and shrink from period to period while the motor catches up.
-fn ramps(seconds: u64, context: &Context<'_, impl Parts>) -> (i64, i64) {
+fn ramps(seconds: u64, context: &Context<'_, impl DriveTypes>) -> (i64, i64) {
     let (limits, _) = context.within(Limits {
         velocity: Speed::ZERO,
         acceleration: context.commands.profile_acceleration,
@@ -477,7 +486,7 @@ const fn is_monotone(first: i64, last: i64, knot: Knot) -> bool {
 }
 
 /// Twice a unit of the user and an increment: what rounding four ends may make of the difference between two distances.
-fn rounding(context: &Context<'_, impl Parts>) -> i64 {
+fn rounding(context: &Context<'_, impl DriveTypes>) -> i64 {
     let unit = context.units().position(1).saturating_abs();
     let most = unit.max(1).saturating_add(1).saturating_mul(2);
     most.min(1 << 40) << POINT

@@ -13,7 +13,7 @@
 
 use super::cyclic_position::bits;
 use super::following::{Following, Outcome};
-use super::{Context, Parts};
+use super::{Context, DriveTypes};
 use crate::actuator::Actuator;
 use crate::controlword::NEW_SET_POINT;
 use crate::statusword::TARGET_REACHED;
@@ -25,7 +25,7 @@ const ENABLE: u16 = NEW_SET_POINT;
 #[derive(Debug)]
 pub(super) struct InterpolatedPosition {
     motion: Following,
-    held: bool,
+    is_held: bool,
     /// The motor stands where the last record has led it.
     is_there: bool,
 }
@@ -34,7 +34,7 @@ impl InterpolatedPosition {
     pub(super) const fn new() -> Self {
         Self {
             motion: Following::new(),
-            held: false,
+            is_held: false,
             is_there: false,
         }
     }
@@ -51,16 +51,16 @@ impl InterpolatedPosition {
 
     /// One control tick; returns statusword bits 10 to 12.
     #[inline(never)]
-    pub(super) fn tick(&mut self, context: &mut Context<'_, impl Parts>) -> u16 {
+    pub(super) fn tick(&mut self, context: &mut Context<'_, impl DriveTypes>) -> u16 {
         let is_enabled = context.commands.controlword & ENABLE != 0;
         if context.is_held() || !is_enabled {
-            if !self.held {
-                self.held = true;
+            if !self.is_held {
+                self.is_held = true;
                 self.motion.forget();
                 context.halt();
             }
         } else {
-            self.held = false;
+            self.is_held = false;
             for slot in context.slots {
                 let record = context.buffer.pop();
                 let target = record.map(|record| context.target(record));

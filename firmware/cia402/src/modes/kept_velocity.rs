@@ -12,7 +12,7 @@
 use motion::{Limits, Ramps, SignedSpeed};
 
 use super::braking::{self, Ramp};
-use super::{Context, Parts};
+use super::{Context, DriveTypes};
 use crate::actuator::Actuator;
 use crate::motor::{Motor, REACH};
 use crate::travel::Travel;
@@ -36,7 +36,7 @@ pub(super) struct Order {
 
 impl Order {
     /// Whether this is the same motion as before, the profile and the quick stop ramp aside.
-    fn is_like(&self, other: Self) -> bool {
+    fn is_same_motion(&self, other: Self) -> bool {
         *self
             == Self {
                 asked: self.asked,
@@ -116,13 +116,15 @@ impl KeptVelocity {
 
     /// Carries out an order. Nothing is planned while it stays the same; what software limits block is tried again, what a limit
     /// switch has ended is not, unless another velocity is asked for.
-    pub(super) fn follow(&mut self, order: Order, context: &mut Context<'_, impl Parts>) {
+    pub(super) fn follow(&mut self, order: Order, context: &mut Context<'_, impl DriveTypes>) {
         let motor = &mut *context.motor;
         let is_new = if self.keeping == Keeping::AtSwitch {
             // A limit that is written cuts the velocity otherwise, but asks for no other.
             self.order.map(|before| before.asked) != Some(order.asked)
         } else {
-            !self.order.is_some_and(|before| order.is_like(before))
+            !self
+                .order
+                .is_some_and(|before| order.is_same_motion(before))
                 || self.keeping == Keeping::Blocked && motor.is_at_rest()
                 || self.keeping == Keeping::Far && is_within_reach(end_of(order), motor)
         };

@@ -35,7 +35,7 @@ use crate::objects::Objects;
 use crate::option_codes::StopRamp;
 use crate::statusword::HOMING_ATTAINED;
 use crate::travel::Travel;
-use crate::units::{Frame, Units};
+use crate::units::{PositionFrame, Units};
 
 use cyclic_position::CyclicPosition;
 use cyclic_torque::CyclicTorque;
@@ -48,18 +48,18 @@ use profile_velocity::ProfileVelocity;
 use velocity::Velocity;
 
 /// What a drive is made of, known when it is compiled: the objects of its data sheet, and what moves its motor.
-pub(crate) trait Parts {
+pub(crate) trait DriveTypes {
     type Objects: Objects;
     type Actuator: Actuator;
 }
 
-impl<D: Objects, A: Actuator> Parts for (D, A) {
+impl<D: Objects, A: Actuator> DriveTypes for (D, A) {
     type Objects = D;
     type Actuator = A;
 }
 
 /// What a mode sees, and the motor it moves, in one control tick.
-pub(crate) struct Context<'a, P: Parts> {
+pub(crate) struct Context<'a, P: DriveTypes> {
     pub(crate) now: Instant,
     /// The mode at work.
     pub(crate) mode: Mode,
@@ -82,7 +82,7 @@ pub(crate) struct Context<'a, P: Parts> {
     pub(crate) has_changed: bool,
     /// Neither that nor the commands: what the tick before has made of them holds.
     pub(crate) is_as_before: bool,
-    pub(crate) frame: &'a mut Frame,
+    pub(crate) frame: &'a mut PositionFrame,
     pub(crate) is_brake_open: bool,
     pub(crate) motor: &'a mut Motor<P::Actuator>,
     /// The set-points of this tick, for the cyclic modes.
@@ -97,7 +97,7 @@ pub(crate) struct Context<'a, P: Parts> {
     pub(crate) lost_set_points: &'a mut bool,
 }
 
-impl<'a, P: Parts> Context<'a, P> {
+impl<'a, P: DriveTypes> Context<'a, P> {
     /// The units of the user.
     pub(crate) const fn units(&self) -> &'a Units {
         self.configuration.units.of_drive::<P::Objects>()
@@ -392,7 +392,7 @@ impl Modes {
 
     /// One control tick in operation enabled. Returns the bits of the statusword that belong to the mode. A mode that the drive has
     /// not got is not linked.
-    pub(crate) fn tick<P: Parts>(&mut self, context: &mut Context<'_, P>) -> u16 {
+    pub(crate) fn tick<P: DriveTypes>(&mut self, context: &mut Context<'_, P>) -> u16 {
         let modes = const { P::Objects::DRIVE.modes & P::Actuator::MODES };
         let has = |mode: Mode| mode.is_among(modes);
         let active = self.active();

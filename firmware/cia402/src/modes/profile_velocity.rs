@@ -14,7 +14,7 @@
 use motion::{Limits, SignedSpeed, Speed};
 
 use super::kept_velocity::{KeptVelocity, Order};
-use super::{Context, Parts};
+use super::{Context, DriveTypes};
 use crate::actuator::Actuator;
 use crate::motor::Motor;
 use crate::option_codes::StopRamp;
@@ -27,7 +27,7 @@ pub(super) struct ProfileVelocity {
     motion: KeptVelocity,
     /// The velocity or a ramp of the order is cut to its limit.
     is_cut: bool,
-    held: bool,
+    is_held: bool,
     reached: WindowTimer,
     moving: WindowTimer,
 }
@@ -37,7 +37,7 @@ impl ProfileVelocity {
         Self {
             motion: KeptVelocity::new(),
             is_cut: false,
-            held: false,
+            is_held: false,
             reached: WindowTimer::new(),
             moving: WindowTimer::new(),
         }
@@ -60,13 +60,13 @@ impl ProfileVelocity {
 
     /// One control tick; returns statusword bits 10 to 13.
     #[inline(never)]
-    pub(super) fn tick(&mut self, context: &mut Context<'_, impl Parts>) -> u16 {
+    pub(super) fn tick(&mut self, context: &mut Context<'_, impl DriveTypes>) -> u16 {
         let is_held = context.is_held();
-        if is_held && !self.held {
+        if is_held && !self.is_held {
             self.motion.forget();
             context.halt();
         }
-        self.held = is_held;
+        self.is_held = is_held;
         if !(context.is_as_before && self.motion.goes_on()) {
             let order = self.order(context);
             if !is_held {
@@ -77,7 +77,7 @@ impl ProfileVelocity {
     }
 
     /// What is asked for now.
-    fn order(&mut self, context: &Context<'_, impl Parts>) -> Order {
+    fn order(&mut self, context: &Context<'_, impl DriveTypes>) -> Order {
         let asked = context.commands.target_velocity;
         let (limits, is_cut) = context.within(Limits {
             velocity: asked.unsigned_abs(),
@@ -87,7 +87,7 @@ impl ProfileVelocity {
         self.is_cut = is_cut;
         Order {
             asked,
-            velocity: limits.velocity.like(asked),
+            velocity: limits.velocity.with_sign_of(asked),
             limits,
             travel: context.travel.increments,
             ramps: context.configuration.profile.ramps,
@@ -95,12 +95,12 @@ impl ProfileVelocity {
         }
     }
 
-    fn bits(&mut self, context: &Context<'_, impl Parts>) -> u16 {
+    fn bits(&mut self, context: &Context<'_, impl DriveTypes>) -> u16 {
         let (configuration, asked) = (context.configuration, context.commands.target_velocity);
         let velocity = context.observed.velocity;
         let reached = self.reached.has_held(
             context.now,
-            velocity.abs_diff(asked) <= configuration.velocity_window.plus(Speed::GRAIN),
+            velocity.abs_diff(asked) <= configuration.velocity_window.plus(Speed::TOLERANCE),
             configuration.velocity_window_time,
         );
         let moving = self.moving.has_held(

@@ -44,7 +44,7 @@ pub struct Recorder<M> {
     /// Control ticks since a recording that is to be repeated was read, and the count of readings then.
     quiet: (u32, u32),
     /// Ticks that make [`QUIET`].
-    patience: u32,
+    quiet_ticks: u32,
     /// What it has told of itself; nothing at first.
     told: (State, u16),
     /// There is nothing to do without an order.
@@ -69,7 +69,7 @@ impl<M: Deref<Target = Memory>> Recorder<M> {
     pub fn new(memory: M, tick: Duration) -> Self {
         memory.clear();
         let nanoseconds = tick.ticks().saturating_mul(1_000);
-        let patience = (QUIET * 1_000).checked_div(tick.ticks()).unwrap_or(0);
+        let quiet_ticks = (QUIET * 1_000).checked_div(tick.ticks()).unwrap_or(0);
         Self {
             memory,
             tick: u32::try_from(nanoseconds).unwrap_or(u32::MAX),
@@ -85,7 +85,7 @@ impl<M: Deref<Target = Memory>> Recorder<M> {
             is_ordered: false,
             found: Found::default(),
             quiet: (0, 0),
-            patience: u32::try_from(patience).unwrap_or(u32::MAX),
+            quiet_ticks: u32::try_from(quiet_ticks).unwrap_or(u32::MAX),
             told: (State::Armed, 0),
             is_asleep: false,
         }
@@ -287,7 +287,7 @@ impl<M: Deref<Target = Memory>> Recorder<M> {
         let (ticks, before) = self.quiet;
         if !is_fetched || readings != before {
             self.quiet = (0, readings);
-        } else if ticks < self.patience {
+        } else if ticks < self.quiet_ticks {
             self.quiet = (ticks + 1, readings);
         } else {
             self.arm();

@@ -7,7 +7,7 @@ use super::{Range, Ratio, Units};
 /// One position of which the number of the user is known exactly, because it was commanded or homing gave it: there it is shown
 /// as it was given, and not rounded from the increments. And the name of the home position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Frame {
+pub(crate) struct PositionFrame {
     increments: i64,
     user: i64,
     /// What the last homing has called the home position, in units of the user; 0 before.
@@ -22,7 +22,7 @@ pub(crate) struct Frame {
     range: Range,
 }
 
-impl Frame {
+impl PositionFrame {
     /// Both counts begin at 0, and a unit is an increment.
     pub(crate) const fn new() -> Self {
         Self {

@@ -26,7 +26,7 @@ use motion::{SignedSpeed, Speed};
 
 use crate::objects::Objects;
 use crate::parameters::Parameter;
-pub(crate) use frame::Frame;
+pub(crate) use frame::PositionFrame;
 pub use range::{Range, Rotation};
 pub use ratio::Ratio;
 pub use si::SiUnit;

@@ -32,7 +32,7 @@ const TWO_BURSTS: u32 = 2 * SHORTEST_RECORD;
 const MOST_POLLS: u32 = 200;
 
 /// Ticks after which the DMA has surely come to another slot of a train: the longest run has 65,535.
-const PATIENCE: u32 = 80 << 10;
+const STALL_TICKS: u32 = 80 << 10;
 
 /// A slot is written only if the DMA comes to it 2¹¹ ticks later, or more: writing one takes less, however many interrupts come in
 /// between.
@@ -260,7 +260,7 @@ impl<'a, R: Registers> Output<'a, R> {
 
     /// Whether the DMA should have come to another slot long ago.
     fn is_overdue(&self) -> bool {
-        self.registers.now().wrapping_sub(self.moved) > PATIENCE
+        self.registers.now().wrapping_sub(self.moved) > STALL_TICKS
     }
 
     /// How many slots can be written now, each of them in time; 0 or less if it may be too late for one.

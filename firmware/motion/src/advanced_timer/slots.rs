@@ -334,7 +334,7 @@ impl Remainder {
     #[inline(never)]
     fn part_of_period(&mut self) -> Words {
         if self.silence > 0 {
-            return self.rest();
+            return self.silent_run();
         }
         self.periods = self.periods.saturating_sub(1);
         // Neither part is short, and the pulse has room in the first: only then is that longer than a run may be.
@@ -350,7 +350,7 @@ impl Remainder {
     }
 
     /// A run of silence.
-    fn rest(&mut self) -> Words {
+    fn silent_run(&mut self) -> Words {
         let ticks = if self.silence <= LONGEST_RUN {
             self.silence
         } else {

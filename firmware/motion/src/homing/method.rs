@@ -23,7 +23,7 @@ pub(super) enum Reference {
     /// The next index pulse in this direction.
     Index(Direction),
     /// A hard stop in this direction.
-    Block(Direction),
+    HardStop(Direction),
     /// Nothing: home is here.
     Here,
 }
@@ -162,10 +162,10 @@ impl Method {
             33 => (Reference::Index(Reverse), true),
             34 => (Reference::Index(Forward), true),
             35 | 37 => (Reference::Here, false),
-            -1 => (Reference::Block(Forward), true),
-            -2 => (Reference::Block(Reverse), true),
-            -3 => (Reference::Block(Forward), false),
-            -4 => (Reference::Block(Reverse), false),
+            -1 => (Reference::HardStop(Forward), true),
+            -2 => (Reference::HardStop(Reverse), true),
+            -3 => (Reference::HardStop(Forward), false),
+            -4 => (Reference::HardStop(Reverse), false),
             _ => return None,
         };
         Some(Self {
@@ -188,8 +188,8 @@ impl Method {
     /// A hard stop method that runs the other way; any other as it is.
     #[must_use]
     pub(super) const fn with_other_sign(mut self) -> Self {
-        if let Reference::Block(direction) = self.reference {
-            self.reference = Reference::Block(direction.reversed());
+        if let Reference::HardStop(direction) = self.reference {
+            self.reference = Reference::HardStop(direction.reversed());
         }
         self
     }

@@ -43,7 +43,7 @@ enum Phase {
     /// It runs to the index pulse.
     ToIndex,
     /// It runs into the hard stop.
-    Blocking,
+    RunningIntoStop,
     /// It has been blocked; its pulses are being dropped.
     Blocked,
     /// It goes to this position, away from the hard stop.
@@ -117,7 +117,7 @@ impl Homing {
                 )
             }
             Reference::Index(direction) => (true, direction, false),
-            Reference::Block(direction) => (fitted.block, direction, false),
+            Reference::HardStop(direction) => (fitted.block, direction, false),
             Reference::Here => (true, Direction::Forward, false),
         };
         if !is_fitted || method.index && !fitted.index {
@@ -187,7 +187,7 @@ impl Homing {
             Phase::Approaching => self.approach(inputs)?,
             Phase::LastMove => self.pass_edge(inputs, passed)?,
             Phase::ToIndex => self.run_to_index(inputs)?,
-            Phase::Blocking => self.run_into_block(inputs)?,
+            Phase::RunningIntoStop => self.run_into_hard_stop(inputs)?,
             Phase::Blocked if !self.halted => self.back_off(inputs),
             Phase::BackingOff(_) if arrived => {
                 if self.settings.home_is_backed_off {
@@ -257,9 +257,9 @@ impl Homing {
                 self.check_limits(inputs, direction)?;
                 self.begin_index(direction, inputs.position)
             }
-            Reference::Block(direction) => {
+            Reference::HardStop(direction) => {
                 self.check_limits(inputs, direction)?;
-                self.phase = Phase::Blocking;
+                self.phase = Phase::RunningIntoStop;
                 self.run(direction, Speed::Search)
             }
             Reference::Switch(approach) => self.choose_run(inputs, &approach)?,
@@ -384,7 +384,7 @@ impl Homing {
         }
     }
 
-    fn run_into_block(&mut self, inputs: &Inputs) -> Result<Order, Failure> {
+    fn run_into_hard_stop(&mut self, inputs: &Inputs) -> Result<Order, Failure> {
         if !inputs.blocked {
             self.blocked_time = 0;
             self.check_limits(inputs, self.direction)?;
@@ -429,7 +429,7 @@ impl Homing {
             }
             Phase::LastMove => Order::Run(self.direction, self.last_speed()),
             Phase::ToIndex => Order::Run(self.direction, Speed::Zero),
-            Phase::Blocking => Order::Run(self.direction, Speed::Search),
+            Phase::RunningIntoStop => Order::Run(self.direction, Speed::Search),
             Phase::BackingOff(target) => Order::Go(target),
             Phase::Returning => Order::Go(self.home),
             Phase::Choosing | Phase::Blocked | Phase::Finishing => Order::GoOn,

@@ -154,7 +154,7 @@ fn a_stop_begins_with_the_velocity_of_the_path() {
     for _ in 0..10 {
         tick(&mut axis, &mut sink, SEGMENT);
     }
-    assert!(axis.committed_velocity().is_like(100_000.into()));
+    assert!(axis.committed_velocity().is_close_to(100_000.into()));
     let from = axis.path_end();
     assert_eq!(from.0, 23 * SEGMENT);
     let nowhere = Limits {
@@ -164,7 +164,7 @@ fn a_stop_begins_with_the_velocity_of_the_path() {
     };
     assert!(axis.move_to(0, nowhere).is_err());
     assert!(
-        axis.committed_velocity().is_like(100_000.into()),
+        axis.committed_velocity().is_close_to(100_000.into()),
         "a refused order changes nothing"
     );
     axis.stop(1_000_000).unwrap();
@@ -192,7 +192,7 @@ fn a_slow_velocity_that_is_given_each_millisecond_does_not_drift() {
                 tick(&mut axis, &mut sink, SEGMENT);
                 sink.steps.clear();
                 sink.records.clear();
-                assert!(piece < 3 || axis.path_end_demand().velocity.is_like(asked));
+                assert!(piece < 3 || axis.path_end_demand().velocity.is_close_to(asked));
             }
             let (end, state) = axis.path_end();
             assert_eq!(end, (PIECES + 4) * MILLISECOND);

@@ -94,7 +94,7 @@ impl<'a> PlanBuilder<'a> {
     }
 
     /// Brakes from `speed` against the direction of the motion to standstill, which takes `time` and `distance`.
-    pub(super) fn turn_back(
+    pub(super) fn brake_to_standstill(
         &mut self,
         speed: Uq96,
         half_deceleration: Uq96,
@@ -172,7 +172,7 @@ impl<'a> PlanBuilder<'a> {
     }
 
     /// Brakes to standstill exactly at `target`, in the frame.
-    pub(super) fn land(
+    pub(super) fn brake_to_rest_at(
         mut self,
         target: i128,
         half_deceleration: Uq96,
@@ -183,7 +183,7 @@ impl<'a> PlanBuilder<'a> {
     }
 
     /// Brakes for `time`, passes `target` at `speed`, and keeps that.
-    pub(super) fn pass(
+    pub(super) fn brake_through(
         mut self,
         target: i128,
         half_deceleration: Uq96,

@@ -73,7 +73,7 @@ pub(super) fn plan(
         if is_exact && route.end.speed == 0 {
             // The target is exactly at the stopping distance: brake, and nothing else.
             let builder = PlanBuilder::new(plan, origin, target_behind);
-            return builder.land(goal, half_deceleration, stop_time);
+            return builder.brake_to_rest_at(goal, half_deceleration, stop_time);
         }
         if (is_exact || is_short) && route.end.speed != 0 {
             // Too fast for the end velocity: it comes about behind the target.
@@ -87,20 +87,20 @@ pub(super) fn plan(
         if is_short {
             // Too fast to stop in time: brake, turn round, come back.
             let mut builder = PlanBuilder::new(plan, origin, !target_behind);
-            builder.turn_back(speed, half_deceleration, stop_time, stop_distance);
-            return route.follow(builder, 0, spare, goal.wrapping_neg());
+            builder.brake_to_standstill(speed, half_deceleration, stop_time, stop_distance);
+            return route.append_to(builder, 0, spare, goal.wrapping_neg());
         }
         let builder = PlanBuilder::new(plan, origin, target_behind);
-        return route.follow(builder, speed, distance, goal);
+        return route.append_to(builder, speed, distance, goal);
     }
     let distance = distance
         .checked_add(stop_distance)
         .ok_or(PlanError::OutOfRange)?;
     let mut builder = PlanBuilder::new(plan, origin, target_behind);
     if speed != 0 {
-        builder.turn_back(speed, half_deceleration, stop_time, stop_distance);
+        builder.brake_to_standstill(speed, half_deceleration, stop_time, stop_distance);
     }
-    route.follow(builder, 0, distance, goal)
+    route.append_to(builder, 0, distance, goal)
 }
 
 /// Whether braking from a speed, which takes so long, leads 2³² steps away or more: half of speed · time bounds it well enough.
@@ -169,7 +169,7 @@ struct Route {
 impl Route {
     /// Covers `distance` at first `speed`, to `target` in the builder's frame; it is the distance to rest, behind the target if there is an end
     /// velocity.
-    fn follow(
+    fn append_to(
         &self,
         mut builder: PlanBuilder<'_>,
         mut speed: Uq96,
@@ -220,10 +220,10 @@ impl Route {
         // The fraction of a tick survives however long the cruise is.
         builder.cruise(peak, quotient(distance, 1, peak), distance);
         if self.end.speed == 0 {
-            builder.land(target, half_deceleration, stop_time)
+            builder.brake_to_rest_at(target, half_deceleration, stop_time)
         } else {
             let time = stop_time.saturating_sub(self.end.time);
-            builder.pass(target, half_deceleration, time, self.end.speed)
+            builder.brake_through(target, half_deceleration, time, self.end.speed)
         }
     }
 

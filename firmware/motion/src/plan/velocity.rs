@@ -47,7 +47,7 @@ pub(super) fn plan(
     if speed != 0 && (from.velocity < 0) != reverse {
         let time = deceleration.time(speed);
         let distance = ramp_distance(speed, half_deceleration, time, true);
-        builder.turn_back(speed, half_deceleration, time, distance);
+        builder.brake_to_standstill(speed, half_deceleration, time, distance);
         speed = 0;
     }
     if speed > goal {

@@ -122,7 +122,7 @@ impl<'a, T: StepTimer> Player<'a, T> {
         let now = T::now();
         let start = self.due;
         match self.awaited {
-            Awaited::Rise if has_come(now, start) => {
+            Awaited::Rise if is_reached(now, start) => {
                 self.count();
                 let end = start.wrapping_add(self.record.period);
                 if T::FALLING_EDGES {
@@ -136,7 +136,7 @@ impl<'a, T: StepTimer> Player<'a, T> {
                     self.schedule_next(end, now);
                 }
             }
-            Awaited::Fall { end } if has_come(now, start) => {
+            Awaited::Fall { end } if is_reached(now, start) => {
                 // The edge may have come late.
                 let ready = later(start.wrapping_add(self.timing.pulse_low), now);
                 if let Some(left) = self.left.checked_sub(1) {
@@ -156,8 +156,8 @@ impl<'a, T: StepTimer> Player<'a, T> {
     fn on_other(&mut self, now: u32) {
         match self.awaited {
             Awaited::Nothing => self.start_anew(),
-            Awaited::Silence if has_come(now, self.due) => self.be_silent(),
-            Awaited::End if has_come(now, self.due) => self.go_on(),
+            Awaited::Silence if is_reached(now, self.due) => self.begin_silence(),
+            Awaited::End if is_reached(now, self.due) => self.go_on(),
             _ => {}
         }
     }
@@ -182,20 +182,20 @@ impl<'a, T: StepTimer> Player<'a, T> {
             self.schedule_period(end, T::now());
         } else {
             self.timer.stop();
-            self.rest(self.played_at(end));
+            self.stop_playing(self.played_at(end));
         }
     }
 
     /// A silent period has begun.
-    fn be_silent(&mut self) {
+    fn begin_silence(&mut self) {
         let start = self.due;
         let end = start.wrapping_add(self.record.period);
-        let ready = self.turn(self.record.direction).unwrap_or(start);
+        let ready = self.set_direction(self.record.direction).unwrap_or(start);
         self.schedule_next(end, later(ready, T::now()));
     }
 
     /// Sets the direction. If that changes it: the earliest time for the next pulse.
-    fn turn(&mut self, direction: Direction) -> Option<u32> {
+    fn set_direction(&mut self, direction: Direction) -> Option<u32> {
         if self.direction == Some(direction) {
             return None;
         }
@@ -239,14 +239,14 @@ impl<'a, T: StepTimer> Player<'a, T> {
     fn schedule(&mut self, planned: u32, time: u32, edge: Edge) {
         self.due = self.timer.schedule(time, edge);
         if self.due != planned {
-            self.fall_back(planned);
+            self.move_train_back(planned);
         }
     }
 
     /// What is late moves what follows of the train back.
     #[cold]
     #[inline(never)]
-    fn fall_back(&mut self, planned: u32) {
+    fn move_train_back(&mut self, planned: u32) {
         // Only the step interrupt writes, so that load and store are enough.
         let origin = self.shared.origin.load(Ordering::Relaxed);
         let late = self.due.wrapping_sub(planned);
@@ -307,12 +307,12 @@ impl<'a, T: StepTimer> Player<'a, T> {
             iterations.count();
             played = played.wrapping_add(ticks(&record));
         }
-        self.rest(played);
+        self.stop_playing(played);
         self.shared.drop.store(false, Ordering::Release);
     }
 
     /// Nothing is being played any more; so many ticks have been.
-    fn rest(&mut self, played: u32) {
+    fn stop_playing(&mut self, played: u32) {
         self.awaited = Awaited::Nothing;
         self.shared.played.store(played, Ordering::Relaxed);
         self.shared.running.store(false, Ordering::Release);
@@ -325,11 +325,11 @@ impl<'a, T: StepTimer> Player<'a, T> {
 }
 
 /// Whether the counter has come to a time, which lies less than half a turn away.
-fn has_come(now: u32, time: u32) -> bool {
+fn is_reached(now: u32, time: u32) -> bool {
     now.wrapping_sub(time) <= u32::MAX / 2
 }
 
 /// The later of two times, less than half a turn apart.
 fn later(one: u32, other: u32) -> u32 {
-    if has_come(one, other) { one } else { other }
+    if is_reached(one, other) { one } else { other }
 }

@@ -12,7 +12,7 @@ const KEPT: usize = 2 * LONGEST;
 
 /// What two spans differ by from period to period, in increments × 2¹⁶.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Most {
+pub(super) struct MaxChange {
     /// While the speed grows: 60C5h.
     pub(super) up: i64,
     /// While it falls: 60C6h.
@@ -21,7 +21,7 @@ pub(super) struct Most {
     pub(super) rounding: i64,
 }
 
-impl Most {
+impl MaxChange {
     /// Nothing but what rounding makes of a steady motion.
     pub(super) const fn rounding(rounding: i64) -> Self {
         Self {
@@ -92,7 +92,7 @@ impl SetPoints {
     }
 
     /// Whether `at`, one period behind the last set-point, keeps to the limits.
-    pub(super) fn may_be_followed_by(&self, at: i32, most: Most) -> bool {
+    pub(super) fn may_be_followed_by(&self, at: i32, most: MaxChange) -> bool {
         let mut middle = self.before(1);
         if self.are_even() && at.wrapping_sub(middle) == self.distance {
             return true;
@@ -121,7 +121,7 @@ impl SetPoints {
 }
 
 /// Whether the distance of 2ⁿ periods may become another, in increments.
-fn may_change(before: i32, distance: i32, doublings: u32, most: Most) -> bool {
+fn may_change(before: i32, distance: i32, doublings: u32, most: MaxChange) -> bool {
     // More than distances of 32 bits differ by; so nothing here is too large for its number.
     const LARGEST: i64 = 1 << 50;
     let change = i64::from(distance.abs_diff(before)) << super::POINT;
@@ -152,8 +152,8 @@ mod tests {
     /// 1 increment a period, each period.
     const ONE: i64 = 1 << POINT;
 
-    fn most(up: i64, down: i64, unit: i64) -> Most {
-        Most {
+    fn most(up: i64, down: i64, unit: i64) -> MaxChange {
+        MaxChange {
             up,
             down,
             rounding: 2 * unit * ONE,
@@ -161,7 +161,7 @@ mod tests {
     }
 
     /// After how many set-points it is found out that they do not keep to the limits.
-    fn found(positions: impl IntoIterator<Item = i32>, most: Most) -> Option<usize> {
+    fn found(positions: impl IntoIterator<Item = i32>, most: MaxChange) -> Option<usize> {
         let mut set_points = SetPoints::new();
         positions.into_iter().position(|at| {
             let is_found = !set_points.may_be_followed_by(at, most);

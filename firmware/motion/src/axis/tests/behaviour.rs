@@ -147,7 +147,7 @@ fn r3_halt_and_go_on() {
     sink.follow(&axis);
     fly(&mut axis, &mut sink, ms(250));
     let velocity = axis.demand(sink.pending()).velocity;
-    assert!(velocity.is_like(100_000.into()));
+    assert!(velocity.is_close_to(100_000.into()));
 }
 
 #[test]

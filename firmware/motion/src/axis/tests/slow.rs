@@ -153,7 +153,7 @@ fn from_a_step_in_an_hour_to_a_million_in_a_second_and_back() {
     axis.ramp_to(HOURLY.signed(false), all(HOURLY)).unwrap();
     tick(&mut axis, &mut sink, 40);
     let pulses = sink.pulses.len();
-    assert!(axis.committed_velocity().is_like(HOURLY.signed(false)));
+    assert!(axis.committed_velocity().is_close_to(HOURLY.signed(false)));
     tick(&mut axis, &mut sink, 4_000);
     assert_eq!(sink.pulses.len(), pulses, "a second is no hour");
 }

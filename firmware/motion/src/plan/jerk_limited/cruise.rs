@@ -6,39 +6,39 @@
 //! The velocity is rounded down: the cruise takes up what that leaves.
 
 use super::Rules;
-use super::ramp::{Lead, Limit, Motion, RoughLimit, steady_distance};
+use super::ramp::{Limit, Motion, RoughLimit, VirtualStart, steady_distance};
 use super::rough::{Kind, Rough};
 
 /// Looking with rough numbers takes some four steps, and with exact ones one. This bounds both; where a few exact steps do not come to
 /// the end, the bounds are halved.
 const MOST_ROUGH: u32 = 24;
-const MOST_STRAIGHT: u32 = 4;
+const MOST_NEWTON: u32 = 4;
 const MOST_EXACT: u32 = 24;
 
 /// From rest they are halved until a velocity fits: each of them above zero is one at which the target is reached.
-const MOST_HALVED: u32 = 128;
+const MOST_HALVINGS: u32 = 128;
 
 /// Behind so small a step, as a part of the velocity, the next one is within what rough numbers can tell; and behind an exact one
 /// the next is not needed.
-const SMALL: Rough = Rough::power(-13);
+const SMALL_STEP: Rough = Rough::power(-13);
 
 /// Bounds that lie no further apart, as a part of the velocity, are one.
-const CLOSE: Rough = Rough::power(-20);
+const CLOSE_BOUNDS: Rough = Rough::power(-20);
 
 /// A part of a distance of which rough numbers are sure.
-const DOUBT: Rough = Rough::power(-16);
+const ROUGH_ERROR: Rough = Rough::power(-16);
 
 /// The same where a velocity is the difference of others.
-const GREAT_DOUBT: Rough = Rough::power(-10);
+const ROUGH_ERROR_OF_DIFFERENCE: Rough = Rough::power(-10);
 
 /// How much of an exact step is left out, so that it does not go beyond the root: the slope is not known better.
-const SPARE: Rough = Rough::power(-12);
+const STEP_MARGIN: Rough = Rough::power(-12);
 
 /// A sixteenth of a tick.
-const AIM: Rough = Rough::power(-24 - 4);
+const TIME_MARGIN: Rough = Rough::power(-24 - 4);
 
 /// An eighth of a tick: as much may be left out of the last step.
-const LITTLE: Rough = Rough::power(-24 - 3);
+const LAST_STEP_TOLERANCE: Rough = Rough::power(-24 - 3);
 
 /// A distance of 2³⁰ steps. Within a longer one a ramp may be so long that its distance saturates, which rough numbers cannot tell.
 const LONG: Rough = Rough::power(30);
@@ -91,10 +91,10 @@ impl Side {
     }
 }
 
-/// The moves with one lead and one end.
+/// The moves with one virtual start and one end.
 struct Moves<'a> {
     rules: &'a Rules<'a>,
-    lead: &'a Lead,
+    virtual_start: &'a VirtualStart,
     limit: &'a Limit,
     end: i128,
     distance: u128,
@@ -104,9 +104,9 @@ struct Moves<'a> {
     is_from_rest: bool,
     first: Side,
     last: Side,
-    /// The distance that both ramps are to take, without the constant, and how much of it is in doubt.
+    /// The distance that both ramps are to take, without the constant, and by how much that may be off.
     goal: Rough,
-    doubt: Rough,
+    error_bound: Rough,
 }
 
 /// What rough numbers tell of the ramps with one cruise: how far they go, and how much longer that gets with the velocity: 0 or less where
@@ -125,37 +125,47 @@ impl Probe {
 }
 
 impl<'a> Moves<'a> {
-    fn new(rules: &'a Rules<'a>, lead: &'a Lead, end: i128, distance: u128, least: i128) -> Self {
-        let limit = if lead.falls {
+    fn new(
+        rules: &'a Rules<'a>,
+        virtual_start: &'a VirtualStart,
+        end: i128,
+        distance: u128,
+        least: i128,
+    ) -> Self {
+        let limit = if virtual_start.falls {
             rules.deceleration
         } else {
             rules.acceleration
         };
-        let ahead = lead.ahead.unsigned_abs();
-        let goal = if lead.ahead < 0 {
+        let ahead = virtual_start.ahead.unsigned_abs();
+        let goal = if virtual_start.ahead < 0 {
             distance.saturating_add(ahead)
         } else {
             distance.saturating_sub(ahead)
         };
         let goal = Rough::of(goal, Kind::Distance);
-        let sure = if lead.ahead > 0 {
+        let sure = if virtual_start.ahead > 0 {
             Rough::of(distance, Kind::Distance).max(goal)
         } else {
             goal
         };
         Self {
             rules,
-            lead,
+            virtual_start,
             limit,
             end,
             distance,
             least,
             jerk: rules.jerk.rough,
-            is_from_rest: lead.velocity == 0 && end == 0 && least == 0,
-            first: Side::new(lead.velocity, least, limit),
+            is_from_rest: virtual_start.velocity == 0 && end == 0 && least == 0,
+            first: Side::new(virtual_start.velocity, least, limit),
             last: Side::new(end, least, rules.deceleration),
             goal,
-            doubt: sure.times(if lead.falls { GREAT_DOUBT } else { DOUBT }),
+            error_bound: sure.times(if virtual_start.falls {
+                ROUGH_ERROR_OF_DIFFERENCE
+            } else {
+                ROUGH_ERROR
+            }),
         }
     }
 
@@ -163,16 +173,16 @@ impl<'a> Moves<'a> {
     /// velocity is then the greatest with ramps below 2³¹ steps.
     fn span(&self, cruise: i128) -> u128 {
         let jerk = self.rules.jerk;
-        let first = steady_distance(self.lead.velocity, cruise, self.limit, jerk);
-        let is_alike =
-            self.lead.velocity == self.end && self.limit.most == self.rules.deceleration.most;
+        let first = steady_distance(self.virtual_start.velocity, cruise, self.limit, jerk);
+        let is_alike = self.virtual_start.velocity == self.end
+            && self.limit.most == self.rules.deceleration.most;
         let last = if is_alike {
             first
         } else {
             steady_distance(cruise, self.end, self.rules.deceleration, jerk)
         };
         let steady = first.max(last);
-        let first = first.saturating_add(self.lead.ahead);
+        let first = first.saturating_add(self.virtual_start.ahead);
         if steady.max(first) >= LONGEST {
             return u128::MAX;
         }
@@ -185,7 +195,7 @@ impl<'a> Moves<'a> {
     /// With a cruise that is faster than the lowest by `more`.
     #[inline(never)]
     fn probe(&self, more: Rough) -> Probe {
-        let gain = if self.lead.falls {
+        let gain = if self.virtual_start.falls {
             self.first.gain.minus(more).max(Rough::ZERO)
         } else {
             self.first.gain.plus(more)
@@ -198,7 +208,7 @@ impl<'a> Moves<'a> {
         Probe {
             span: first.0.plus(last.0),
             // The faster the cruise, the shorter is the ramp down to it.
-            slope: if self.lead.falls {
+            slope: if self.virtual_start.falls {
                 slope.minus(first.2)
             } else {
                 slope.plus(first.2)
@@ -209,7 +219,7 @@ impl<'a> Moves<'a> {
     /// Whether both ramps fit into the distance.
     fn fit(&self, cruise: i128, probe: Probe) -> bool {
         let span = probe.span;
-        if span.distance(self.goal) > self.doubt && self.goal > Rough::ZERO {
+        if span.distance(self.goal) > self.error_bound && self.goal > Rough::ZERO {
             if span > self.goal {
                 return false;
             }
@@ -288,7 +298,7 @@ impl<'a> Moves<'a> {
             let next = more.plus(step);
             let is_straight = slope > Rough::ZERO;
             let is_within = is_straight && below < next && next < above;
-            if is_straight && step.magnitude() <= more.times(SMALL) {
+            if is_straight && step.magnitude() <= more.times(SMALL_STEP) {
                 if is_within {
                     more = next;
                 }
@@ -299,18 +309,18 @@ impl<'a> Moves<'a> {
             } else {
                 below.plus(above).halved()
             };
-            if above.minus(below) <= more.times(CLOSE) {
+            if above.minus(below) <= more.times(CLOSE_BOUNDS) {
                 break;
             }
         }
-        self.settle(high, more, slope)
+        self.refine(high, more, slope)
     }
 
     /// From a good guess to the last bits.
-    fn settle(&self, mut high: i128, more: Rough, slope: Rough) -> i128 {
+    fn refine(&self, mut high: i128, more: Rough, slope: Rough) -> i128 {
         let mut low = self.least;
         let mut cruise = low.saturating_add(exact(more)).min(high);
-        for tried in 0..MOST_HALVED {
+        for tried in 0..MOST_HALVINGS {
             let span = self.span(cruise);
             let mut off = span.abs_diff(self.distance);
             let is_short = span <= self.distance;
@@ -332,17 +342,16 @@ impl<'a> Moves<'a> {
             }
             let off = Rough::of(off, Kind::Distance);
             let speed = Rough::of(cruise.unsigned_abs(), Kind::Velocity);
-            let spare = off.times(SPARE).plus(speed.times(AIM));
+            let spare = off.times(STEP_MARGIN).plus(speed.times(TIME_MARGIN));
             let next = if is_short {
                 let step = off.minus(spare).max(Rough::ZERO).over(slope);
                 cruise.saturating_add(exact(step))
             } else {
                 cruise.saturating_sub(exact(off.plus(spare).over(slope)))
             };
-            let is_within =
-                slope > Rough::ZERO && tried < MOST_STRAIGHT && low < next && next < high;
-            let is_last =
-                off <= slope.times(more).times(SMALL) && off.times(SPARE) <= speed.times(LITTLE);
+            let is_within = slope > Rough::ZERO && tried < MOST_NEWTON && low < next && next < high;
+            let is_last = off <= slope.times(more).times(SMALL_STEP)
+                && off.times(STEP_MARGIN) <= speed.times(LAST_STEP_TOLERANCE);
             if is_within && is_last {
                 return next;
             }
@@ -358,46 +367,46 @@ fn exact(velocity: Rough) -> i128 {
 }
 
 impl Rules<'_> {
-    /// The greatest velocity between a ramp from a motion and one to the velocity `end`, within `distance`; `None` if there is none. `lead`
+    /// The greatest velocity between a ramp from a motion and one to the velocity `end`, within `distance`; `None` if there is none. `virtual_start`
     /// becomes that of the first ramp.
     pub(super) fn fastest(
         &self,
         from: &Motion,
         end: i128,
         distance: u128,
-        lead: &mut Lead,
+        virtual_start: &mut VirtualStart,
     ) -> Option<i128> {
         let coasting = from.coasting();
         let mut most = self.top;
         if coasting <= self.top {
-            lead.renew(from, false, self.acceleration);
+            virtual_start.renew(from, false, self.acceleration);
             let least = coasting.max(end);
-            let cruise = self.chosen(lead, end, distance, (least, self.top), true);
+            let cruise = self.chosen(virtual_start, end, distance, (least, self.top), true);
             if cruise.is_some() || least == end {
                 return cruise.filter(|cruise| *cruise > 0);
             }
             most = least;
         }
-        lead.renew(from, true, self.deceleration);
+        virtual_start.renew(from, true, self.deceleration);
         let is_top = most == self.top;
-        let cruise = self.chosen(lead, end, distance, (end, most), is_top);
+        let cruise = self.chosen(virtual_start, end, distance, (end, most), is_top);
         cruise.filter(|cruise| *cruise > 0)
     }
 
-    /// The same with one lead, between a velocity and another, which may fit only if it is the greatest there is.
+    /// The same with one virtual start, between a velocity and another, which may fit only if it is the greatest there is.
     #[inline(never)]
     fn chosen(
         &self,
-        lead: &Lead,
+        virtual_start: &VirtualStart,
         end: i128,
         distance: u128,
         (least, most): (i128, i128),
         is_top: bool,
     ) -> Option<i128> {
-        if lead.is_far {
+        if virtual_start.is_far {
             return None;
         }
-        let moves = Moves::new(self, lead, end, distance, least);
+        let moves = Moves::new(self, virtual_start, end, distance, least);
         let range = most.wrapping_sub(least).unsigned_abs();
         let range = Rough::of(range, Kind::Velocity);
         let high = moves.probe(range);
@@ -405,7 +414,7 @@ impl Rules<'_> {
             return Some(most);
         }
         // Without a cruise there are no ramps.
-        if moves.is_from_rest && lead.ahead == 0 {
+        if moves.is_from_rest && virtual_start.ahead == 0 {
             return Some(moves.greatest(Probe::NOTHING, most, range, high));
         }
         let low = moves.probe(Rough::ZERO);

@@ -5,7 +5,7 @@
 
 use super::Rules;
 use super::number::Number;
-use super::ramp::{Lead, Motion, Ramp, third};
+use super::ramp::{Motion, Ramp, VirtualStart, third};
 use super::rough::Kind;
 use crate::plan::PlanError;
 use crate::plan::builder::PlanBuilder;
@@ -14,16 +14,21 @@ use crate::plan::piece::{Piece, Shape, distance_at, over_time};
 impl PlanBuilder<'_> {
     /// Moves from rest over `distance` to `goal` in the frame, with the velocity `end` there. Where the distance is too short for that, it comes
     /// about behind the target. Velocity zero never covers a distance: the lowest has to do then.
-    pub(super) fn leave_rest(
+    pub(super) fn move_from_rest(
         self,
         (distance, end, goal): (u128, i128, i128),
         rules: &Rules<'_>,
     ) -> Result<(), PlanError> {
-        let mut lead = Lead::steady(0, false);
-        let cruise = rules.fastest(&Motion::REST, end, distance, &mut lead);
+        let mut virtual_start = VirtualStart::steady(0, false);
+        let cruise = rules.fastest(&Motion::REST, end, distance, &mut virtual_start);
         if cruise.is_some() || end == 0 {
             let cruise = cruise.unwrap_or(1);
-            self.take((&Motion::REST, &lead), cruise, (distance, end, goal), rules)
+            self.append_move(
+                (&Motion::REST, &virtual_start),
+                cruise,
+                (distance, end, goal),
+                rules,
+            )
         } else {
             self.ramp_to(&Motion::REST, end, rules)
         }
@@ -36,25 +41,25 @@ impl PlanBuilder<'_> {
         end: i128,
         rules: &Rules<'_>,
     ) -> Result<(), PlanError> {
-        self.follow(&rules.ramp(from, end));
+        self.append_ramp(&rules.ramp(from, end));
         self.keep(end.unsigned_abs())
     }
 
     /// Follows a ramp to the velocity `cruise`, and another one to `end`, over `distance`, to `goal` in the frame.
-    pub(super) fn take(
+    pub(super) fn append_move(
         mut self,
-        (from, lead): (&Motion, &Lead),
+        (from, virtual_start): (&Motion, &VirtualStart),
         cruise: i128,
         (distance, end, goal): (u128, i128, i128),
         rules: &Rules<'_>,
     ) -> Result<(), PlanError> {
-        let limit = if lead.falls {
+        let limit = if virtual_start.falls {
             rules.deceleration
         } else {
             rules.acceleration
         };
         let (mut first, mut last) = (Ramp::NONE, Ramp::NONE);
-        first.become_of((from, lead), cruise, limit, rules.jerk);
+        first.become_of((from, virtual_start), cruise, limit, rules.jerk);
         last.become_steady((cruise, true), end, rules.deceleration, rules.jerk);
         let ramps = first.distance.wrapping_add(last.distance).cast_unsigned();
         let left = distance.wrapping_sub(ramps);
@@ -68,9 +73,9 @@ impl PlanBuilder<'_> {
             .fixed(Kind::Time)
             .max(0)
             .cast_unsigned();
-        self.follow(&first);
+        self.append_ramp(&first);
         self.cruise(cruise.unsigned_abs(), time, left);
-        self.follow_to(&last, goal);
+        self.append_ramp_ending_at(&last, goal);
         if end == 0 {
             self.rest_at(goal)
         } else {
@@ -79,12 +84,12 @@ impl PlanBuilder<'_> {
     }
 
     /// Follows a ramp from here.
-    pub(super) fn follow(&mut self, ramp: &Ramp) {
-        self.follow_to(ramp, self.travelled.wrapping_add(ramp.distance));
+    pub(super) fn append_ramp(&mut self, ramp: &Ramp) {
+        self.append_ramp_ending_at(ramp, self.travelled.wrapping_add(ramp.distance));
     }
 
     /// Follows a ramp so that it ends exactly at `target`, in the frame.
-    pub(super) fn follow_to(&mut self, ramp: &Ramp, target: i128) {
+    pub(super) fn append_ramp_ending_at(&mut self, ramp: &Ramp, target: i128) {
         let turned = |value: i128| if ramp.falls { -value } else { value };
         let jerk = turned(ramp.sixth_jerk);
         let begin = self.now();

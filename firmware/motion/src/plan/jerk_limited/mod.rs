@@ -25,7 +25,7 @@ use super::{Goal, InitialState, Limits, Plan, PlanError};
 use crate::clock::{Clock, TOP_SIXTH_JERK, Uq128};
 use crate::speed::{SignedSpeed, Speed};
 use number::Number;
-use ramp::{Jerk, Lead, Limit, Motion, Ramp, RoughLimit, stopping_distance};
+use ramp::{Jerk, Limit, Motion, Ramp, RoughLimit, VirtualStart, stopping_distance};
 use rough::{Kind, Rough};
 
 /// What rules the motion, all per tick.
@@ -46,9 +46,9 @@ impl Rules<'_> {
         } else {
             self.acceleration
         };
-        let lead = Lead::new(from, falls, limit);
+        let virtual_start = VirtualStart::new(from, falls, limit);
         let mut ramp = Ramp::NONE;
-        ramp.become_of((from, &lead), end, limit, self.jerk);
+        ramp.become_of((from, &virtual_start), end, limit, self.jerk);
         ramp
     }
 }
@@ -58,8 +58,8 @@ fn stopping(from: &Motion, limit: &Limit, jerk: &Jerk) -> Ramp {
     let mut ramp = Ramp::NONE;
     if !from.is_rest() {
         let falls = from.coasting() > 0;
-        let lead = Lead::new(from, falls, limit);
-        ramp.become_of((from, &lead), 0, limit, jerk);
+        let virtual_start = VirtualStart::new(from, falls, limit);
+        ramp.become_of((from, &virtual_start), 0, limit, jerk);
     }
     ramp
 }
@@ -153,7 +153,7 @@ fn stop(
     let reverse = start.from.velocity < 0;
     let motion = seen(start, reverse, jerk);
     let mut builder = builder(plan, start, reverse);
-    builder.follow(&stopping(&motion, limit, jerk));
+    builder.append_ramp(&stopping(&motion, limit, jerk));
     let rest = builder.travelled;
     builder.rest_at(rest)
 }
@@ -169,7 +169,7 @@ fn keep(
     let motion = seen(start, reverse, rules.jerk);
     let mut builder = builder(plan, start, reverse);
     if motion.velocity < 0 {
-        builder.follow(&stopping(&motion, rules.deceleration, rules.jerk));
+        builder.append_ramp(&stopping(&motion, rules.deceleration, rules.jerk));
         return builder.ramp_to(&Motion::REST, end, rules);
     }
     builder.ramp_to(&motion, end, rules)
@@ -192,13 +192,13 @@ fn reach(
         motion.velocity > 0 && motion.coasting() >= 0
     };
     let fit = Fit::new(&motion, gap, rules);
-    let mut lead = Lead::steady(motion.velocity, false);
+    let mut virtual_start = VirtualStart::steady(motion.velocity, false);
     if fit.is_ample
         && forwards
-        && let Some(cruise) = rules.fastest(&motion, end, gap, &mut lead)
+        && let Some(cruise) = rules.fastest(&motion, end, gap, &mut virtual_start)
     {
         let builder = builder(plan, start, reverse);
-        return builder.take((&motion, &lead), cruise, (gap, end, goal), rules);
+        return builder.append_move((&motion, &virtual_start), cruise, (gap, end, goal), rules);
     }
     if fit.is_doubtful && is_too_long(&motion, rules) {
         return Err(PlanError::OutOfRange);
@@ -208,11 +208,13 @@ fn reach(
         let cruise = if fit.is_ample {
             None
         } else {
-            rules.fastest(&motion, end, gap, &mut lead)
+            rules.fastest(&motion, end, gap, &mut virtual_start)
         };
         let builder = builder(plan, start, reverse);
         return match cruise {
-            Some(cruise) => builder.take((&motion, &lead), cruise, (gap, end, goal), rules),
+            Some(cruise) => {
+                builder.append_move((&motion, &virtual_start), cruise, (gap, end, goal), rules)
+            }
             // Too fast for the end velocity, or the distance is too short for it: it comes about behind the target.
             None => builder.ramp_to(&motion, end, rules),
         };
@@ -224,7 +226,7 @@ fn reach(
     if left <= indistinct(stop_time) {
         if end == 0 || gap == 0 {
             let mut builder = builder(plan, start, reverse);
-            builder.follow_to(&stop, goal);
+            builder.append_ramp_ending_at(&stop, goal);
             return builder.rest_at(goal);
         }
         // On which side of the target it ends is rounding: it goes on as it came.
@@ -233,10 +235,10 @@ fn reach(
     if fit.is_unknown
         && !is_beyond
         && forwards
-        && let Some(cruise) = rules.fastest(&motion, end, gap, &mut lead)
+        && let Some(cruise) = rules.fastest(&motion, end, gap, &mut virtual_start)
     {
         let builder = builder(plan, start, reverse);
-        return builder.take((&motion, &lead), cruise, (gap, end, goal), rules);
+        return builder.append_move((&motion, &virtual_start), cruise, (gap, end, goal), rules);
     }
     // Behind the target, in a frame in which the distance back is positive.
     let goal = if is_beyond { goal.wrapping_neg() } else { goal };
@@ -248,8 +250,8 @@ fn reach(
     if is_beyond {
         stop.mirror();
     }
-    builder.follow(&stop);
-    builder.leave_rest((left, end, goal), rules)
+    builder.append_ramp(&stop);
+    builder.move_from_rest((left, end, goal), rules)
 }
 
 /// Where the target lies from the end of `distance`: whether it is behind there, and how far.
@@ -289,7 +291,7 @@ struct Fit {
 }
 
 /// A part of a distance of which rough numbers are sure, however much of it cancels out: 2⁻¹².
-const DOUBT: Rough = Rough::power(-12);
+const ROUGH_ERROR: Rough = Rough::power(-12);
 
 /// A distance of 2³¹ steps.
 const SPAN: Rough = Rough::power(31);
@@ -317,7 +319,7 @@ impl Fit {
         let velocity = Number::of(motion.velocity, Kind::Velocity).rough();
         let jerk = rules.jerk.rough;
         // How far the motion is behind the beginning of a ramp without acceleration, whose rest it is, and at which velocity that begins; as
-        // `Lead::new` has it.
+        // `VirtualStart::new` has it.
         let over = time.minus(entry);
         let (start, before, cancelled) = if over > Rough::ZERO {
             let rise = turned(jerk.times(entry).times(entry).halved(), falls);
@@ -346,12 +348,12 @@ impl Fit {
         let distance = whole.minus(before);
         let parts = whole.magnitude().plus(cancelled);
         let spare = Rough::of(gap, Kind::Distance).minus(distance);
-        let doubt = parts.times(DOUBT);
-        let is_unknown = spare.magnitude() <= doubt;
+        let error_bound = parts.times(ROUGH_ERROR);
+        let is_unknown = spare.magnitude() <= error_bound;
         Self {
             is_ample: !is_unknown && spare > Rough::ZERO,
             is_unknown,
-            is_doubtful: distance.magnitude().plus(doubt) >= SPAN,
+            is_doubtful: distance.magnitude().plus(error_bound) >= SPAN,
         }
     }
 }

@@ -107,8 +107,8 @@ impl Number {
 
     /// Its leading bits.
     pub(super) fn rough(self) -> Rough {
-        let lead = (self.mantissa >> 31) as i32 as f32;
-        Rough::scaled(lead, self.exponent.wrapping_add(31))
+        let leading = (self.mantissa >> 31) as i32 as f32;
+        Rough::scaled(leading, self.exponent.wrapping_add(31))
     }
 
     pub(super) const fn negated(self) -> Self {
@@ -179,8 +179,8 @@ impl Number {
         }
         let Self { mantissa, exponent } = self.leading();
         // x from 1/2 to 1, and y from 1 to 2, both with 30 bits behind the point.
-        let lead = (mantissa >> 31) as i32 as f32;
-        let rough = ((1u64 << 61) as f32 / lead) as i32;
+        let leading = (mantissa >> 31) as i32 as f32;
+        let rough = ((1u64 << 61) as f32 / leading) as i32;
         // x·y = 1 − e, and 1/x = y·(1 + e + e²).
         let rough_fraction = i64::from(rough) << 31;
         let left = (1i64 << 61).wrapping_sub(fraction(mantissa, rough_fraction));
@@ -207,8 +207,8 @@ impl Number {
         let odd = exponent & 1;
         let (square, exponent) = (mantissa >> odd, exponent.wrapping_add(odd));
         // x from 1/4 to 1, and y = 1/√x from 1 to 2, with 30 bits behind the point.
-        let lead = (square >> 31) as i32 as f32 * (1.0 / 2_147_483_648.0);
-        let rough = ((reciprocal_root(lead) * 1_073_741_824.0) as u32).min((1 << 31) - 1);
+        let leading = (square >> 31) as i32 as f32 * (1.0 / 2_147_483_648.0);
+        let rough = ((reciprocal_root(leading) * 1_073_741_824.0) as u32).min((1 << 31) - 1);
         let rough = i64::from(rough);
         // x·y² = 1 − e, and √x = x·y·(1 + e/2 + 3e²/8).
         let left = (1i64 << 60).wrapping_sub(fraction(square, rough.wrapping_mul(rough)));

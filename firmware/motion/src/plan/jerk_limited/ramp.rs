@@ -5,7 +5,7 @@
 //! T = A/j, and stays at A for Δ/A − T. Its distance is its mean velocity times its time.
 //!
 //! A ramp that begins with an acceleration a is the end of one that began without, a/j earlier and a²/2j away from the velocity of
-//! now: its [`Lead`]. If a is in the other direction, it begins as much later instead, and the same formulas hold.
+//! now: its [`VirtualStart`]. If a is in the other direction, it begins as much later instead, and the same formulas hold.
 
 use core::cell::Cell;
 
@@ -149,15 +149,15 @@ fn steady_length(velocity: i128, end: i128, limit: &Limit, jerk: &Jerk) -> Numbe
 pub(super) fn stopping_distance(from: &Motion, limit: &Limit, jerk: &Jerk) -> i128 {
     let falls = from.coasting() > 0;
     let turned = |value: Number| if falls { value.negated() } else { value };
-    let mut lead = Lead::new(from, falls, limit);
-    let ahead = if lead.is_easing {
-        lead.ease(from, limit)
+    let mut virtual_start = VirtualStart::new(from, falls, limit);
+    let ahead = if virtual_start.is_easing {
+        virtual_start.ease(from, limit)
     } else {
         let (time, change) = (turned(from.time), turned(from.change));
-        let mean = lead.speed().plus(change.times(Number::THIRD));
+        let mean = virtual_start.speed().plus(change.times(Number::THIRD));
         time.times(mean).negated()
     };
-    steady_length(lead.velocity, 0, limit, jerk)
+    steady_length(virtual_start.velocity, 0, limit, jerk)
         .plus(ahead)
         .bounded(Kind::Distance)
 }
@@ -224,7 +224,7 @@ impl Motion {
 
 /// The ramp without acceleration at its beginning whose rest another one is.
 #[derive(Debug)]
-pub(super) struct Lead {
+pub(super) struct VirtualStart {
     /// How far the motion is ahead of its beginning, Q96 steps.
     pub(super) ahead: i128,
     /// How long ago that is, Q32; negative, if it is still to come.
@@ -239,17 +239,17 @@ pub(super) struct Lead {
     pub(super) is_far: bool,
 }
 
-impl Lead {
+impl VirtualStart {
     /// Of a ramp upwards or downwards. `limit` is its greatest acceleration.
     pub(super) fn new(from: &Motion, falls: bool, limit: &Limit) -> Self {
-        let mut lead = Self::steady(from.velocity, falls);
+        let mut virtual_start = Self::steady(from.velocity, falls);
         if from.acceleration != 0 {
-            lead.come_from(from, limit);
+            virtual_start.come_from(from, limit);
         }
-        lead
+        virtual_start
     }
 
-    /// Becomes another one, as [`Lead::new`] would have it: it is large, and copies of it are costly.
+    /// Becomes another one, as [`VirtualStart::new`] would have it: it is large, and copies of it are costly.
     pub(super) fn renew(&mut self, from: &Motion, falls: bool, limit: &Limit) {
         self.velocity = from.velocity;
         self.ahead = 0;
@@ -378,34 +378,43 @@ impl Ramp {
         is_easing: false,
     };
 
-    /// From a motion and its lead to the velocity `end`.
+    /// From a motion and its virtual start to the velocity `end`.
     #[cfg(test)]
     pub(super) fn new(
-        (from, lead): (&Motion, &Lead),
+        (from, virtual_start): (&Motion, &VirtualStart),
         end: i128,
         limit: &Limit,
         jerk: &Jerk,
     ) -> Self {
         let mut ramp = Self::NONE;
-        ramp.become_of((from, lead), end, limit, jerk);
+        ramp.become_of((from, virtual_start), end, limit, jerk);
         ramp
     }
 
-    /// Becomes another one, from a motion and its lead to the velocity `end`.
+    /// Becomes another one, from a motion and its virtual start to the velocity `end`.
     pub(super) fn become_of(
         &mut self,
-        (from, lead): (&Motion, &Lead),
+        (from, virtual_start): (&Motion, &VirtualStart),
         end: i128,
         limit: &Limit,
         jerk: &Jerk,
     ) {
-        self.become_steady((lead.velocity, lead.falls), end, limit, jerk);
+        self.become_steady(
+            (virtual_start.velocity, virtual_start.falls),
+            end,
+            limit,
+            jerk,
+        );
         self.velocity = from.velocity;
         self.acceleration = from.acceleration;
-        self.distance = self.distance.wrapping_add(lead.ahead);
-        let entry = self.exit.cast_signed().wrapping_sub(lead.ago).max(0);
+        self.distance = self.distance.wrapping_add(virtual_start.ahead);
+        let entry = self
+            .exit
+            .cast_signed()
+            .wrapping_sub(virtual_start.ago)
+            .max(0);
         self.entry = entry.cast_unsigned();
-        self.is_easing = lead.is_easing;
+        self.is_easing = virtual_start.is_easing;
     }
 
     /// Becomes the one that begins with a velocity and no acceleration.

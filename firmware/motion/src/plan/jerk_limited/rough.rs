@@ -63,9 +63,9 @@ impl Rough {
         } else {
             (b, a, 0)
         };
-        let lead = high as f32 * 4_294_967_296.0 + low as f32;
+        let leading = high as f32 * 4_294_967_296.0 + low as f32;
         let below: i32 = below;
-        Self(lead).times(Self::power(below.wrapping_sub(kind.point().cast_signed())))
+        Self(leading).times(Self::power(below.wrapping_sub(kind.point().cast_signed())))
     }
 
     /// The exact number, rounded down; what does not fit is the largest.

@@ -35,11 +35,11 @@ fn a_bad_guess_ends_at_a_velocity_above_zero() {
         deceleration: &limit,
         jerk: &jerk,
     };
-    let lead = Lead::steady(0, false);
+    let virtual_start = VirtualStart::steady(0, false);
     for distance in [1 << 64, 1 << 70, 1 << 80, 1 << 96] {
-        let moves = Moves::new(&rules, &lead, 0, distance, 0);
+        let moves = Moves::new(&rules, &virtual_start, 0, distance, 0);
         for more in [Rough::power(-30), Rough::power(20)] {
-            let cruise = moves.settle(rules.top, more, Rough::ZERO);
+            let cruise = moves.refine(rules.top, more, Rough::ZERO);
             assert!(
                 cruise > 0 && moves.span(cruise) <= distance,
                 "{cruise} for {distance}"
@@ -68,15 +68,15 @@ proptest! {
         if from.coasting() < 0 {
             return Ok(());
         }
-        let mut lead = Lead::steady(0, false);
-        let Some(cruise) = rules.fastest(&from, end, distance, &mut lead) else {
+        let mut virtual_start = VirtualStart::steady(0, false);
+        let Some(cruise) = rules.fastest(&from, end, distance, &mut virtual_start) else {
             return Ok(());
         };
         prop_assert!(end <= cruise && cruise <= rules.top);
-        let limit = if lead.falls { rules.deceleration } else { rules.acceleration };
-        let first = Ramp::new((&from, &lead), cruise, limit, &jerk);
-        let lead = Lead::steady(cruise, true);
-        let last = Ramp::new((&Motion::steady(cruise), &lead), end, rules.deceleration, &jerk);
+        let limit = if virtual_start.falls { rules.deceleration } else { rules.acceleration };
+        let first = Ramp::new((&from, &virtual_start), cruise, limit, &jerk);
+        let virtual_start = VirtualStart::steady(cruise, true);
+        let last = Ramp::new((&Motion::steady(cruise), &virtual_start), end, rules.deceleration, &jerk);
         let distances = first.distance.unsigned_abs() + last.distance.unsigned_abs();
         // Times are rounded to 2⁻³² ticks.
         let rounded = (distances >> 40) + (1 << 40) + (cruise.unsigned_abs() >> 31);
