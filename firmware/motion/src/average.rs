@@ -26,10 +26,10 @@ pub use mean::Mean;
 use window::SAMPLES;
 pub(crate) use window::Window;
 
-/// The greatest number by whose parts is divided.
+/// The greatest factor of [`part`] and [`rate`].
 const MOST: u64 = u64::MAX >> 1;
 
-/// Samples that are taken of a parabola before it is looked at again.
+/// The most samples taken of a parabola before the plan is evaluated again.
 const MOST_SAMPLED: u32 = 1 << 16;
 
 /// Where the mean is, and what it is made of.
@@ -43,32 +43,35 @@ pub(crate) struct Average {
     per_window: u64,
     per_grid: u64,
     per_count: u64,
-    /// Where the oldest sample is in the ring.
+    /// The index of the oldest sample in the ring.
     place: u32,
-    /// Samples that are still older than the ring: the next one, and how far from one to the next.
+    /// Samples of the time before the first one in the ring, at a constant velocity: how many are left, the next one, and the distance
+    /// from one to the next.
     before: u32,
     old: i64,
     stride: i64,
     /// From the oldest sample to the newest, Q32 steps.
     window_distance: i64,
-    /// What the mean has left over, in parts of 2⁻³² steps of which 2·count are one.
+    /// The remainder of the mean's position, in units of 2⁻³² steps / (2·count).
     left: i32,
     /// Where the plan was looked at last, and how it goes on.
     sampler: Sampler,
-    /// So many intervals of the grid will the plan have kept the velocity `line_velocity`, Q96, or stood, when the sampler has come to its end.
+    /// For how many intervals of the grid the plan will have kept `line_velocity`, Q96 steps per tick, or stood, at the end of the
+    /// sampler's parabola.
     straight: u32,
     line_velocity: i128,
     stands: bool,
-    /// Where the mean is at tick `until`, up to which the plan has been looked at, and what position and velocity grew by since the sample before.
+    /// The state `to` of the mean at tick `until`, up to which the plan has been sampled, and by how much position and velocity have
+    /// changed since the sample before.
     until: Ticks,
     to: State,
     /// How long ago the sample before was: an interval of the grid, or nothing where the mean begins.
     since: u32,
     distance: i64,
     gain: i64,
-    /// If it is the plan's own line, half a window late: where that begins, and when.
+    /// Set while the mean is the plan's own straight line, half a window late: when that begins, and where.
     line: Option<(Ticks, Exact)>,
-    /// Where it was when it began, as long as it has not gone on from there.
+    /// The state of the mean at its beginning; `None` once it has advanced.
     fresh: Option<Exact>,
     /// Positions of the plan, Q32 steps, round and round; the oldest is at `place`.
     ring: [i64; SAMPLES],
@@ -232,7 +235,7 @@ impl Average {
         self.stands && self.is_straight()
     }
 
-    /// So many intervals of the grid has the plan kept its velocity.
+    /// For how many intervals of the grid the plan has kept its velocity.
     const fn straight(&self) -> u32 {
         self.straight.saturating_sub(self.sampler.left)
     }
@@ -308,7 +311,7 @@ impl Average {
         self.take();
     }
 
-    /// Goes on behind `until`.
+    /// Advances by a sample beyond `until`.
     #[inline(never)]
     fn look_on(&mut self, plan: &Plan) {
         let at = self.until;

@@ -23,6 +23,7 @@ pub fn quotient(numerator: u128, digits: u32, divisor: u128) -> u128 {
 pub(crate) struct Divisor {
     /// The divisor, shifted up until the leading bit of 96 is set.
     high: u32,
+    /// The two digits below `high`.
     low_digits: u64,
     /// ⌊(2⁶⁴ − 1) / high⌋ − 2³²
     reciprocal: u32,

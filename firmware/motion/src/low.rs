@@ -1,4 +1,4 @@
-//! Narrower numbers: the low bits of a wider one, by name.
+//! Narrowing conversions of integers: the low bits of a wider one, by name.
 //!
 //! `as` cuts bits off and changes signs without a word, so it is not written for that in this crate nor in the drive above it (the cast lints of clippy are
 //! on): what is cut off, is cut off here. That is right where the number is known to fit, as the caller says, and where it counts modulo a power of two,

@@ -52,7 +52,7 @@ pub struct Record {
 }
 
 impl Record {
-    /// No time at all: what there is before there are records.
+    /// A record of no periods, in place of one that is not there yet.
     pub(crate) const NONE: Self = Self {
         period: 0,
         repeat: 0,

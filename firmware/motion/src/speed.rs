@@ -17,7 +17,7 @@ pub struct SignedSpeed(i64);
 impl Speed {
     /// Standing still.
     pub const ZERO: Self = Self(0);
-    /// The slowest that moves: 2⁻³² steps/s.
+    /// The lowest speed above zero: 2⁻³² steps/s.
     pub const LEAST: Self = Self(1);
     /// A little less than 2³² steps/s.
     pub const MAX: Self = Self(u64::MAX);
@@ -60,7 +60,7 @@ impl Speed {
         })
     }
 
-    /// The velocity of this amount in the direction of another one; forwards if that is 0.
+    /// The velocity of this amount with the sign of another one; forwards if that is 0.
     pub const fn with_sign_of(self, other: SignedSpeed) -> SignedSpeed {
         self.signed(other.0 < 0)
     }

@@ -188,7 +188,7 @@ impl<'a, R: Registers> Output<'a, R> {
         }
     }
 
-    /// The stream stands still, and its last slot has been played again and again: all pulses since then went one way.
+    /// The stream stands still, and its last slot has been played again and again: all pulses since then had its direction.
     #[cold]
     fn give_up(&mut self) {
         // As a train is dropped, slots may have been fetched since the last service.
@@ -224,7 +224,7 @@ impl<'a, R: Registers> Output<'a, R> {
         self.failed
     }
 
-    /// Lets the outputs go on after a break or a failure, at rest. As long as the break input is active it has no effect on the break.
+    /// Re-arms the outputs after a break or a failure, at rest. As long as the break input is active it has no effect on the break.
     pub fn mend(&mut self) {
         if !self.running {
             if self.failed {

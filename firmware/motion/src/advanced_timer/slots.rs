@@ -329,7 +329,8 @@ impl Remainder {
         Words::run(self.period, repeat, self.width, self.direction)
     }
 
-    /// Of a period that is longer than a run: a pulse, and as much of its period as the longest run holds; or some of the silence behind it.
+    /// The next run of a period that is longer than a run: the pulse with as much of the period as the longest run holds, or a part of
+    /// the silence behind it.
     #[cold]
     #[inline(never)]
     fn part_of_period(&mut self) -> Words {

@@ -1,8 +1,8 @@
 //! A motion that is planned while the one before is played.
 //!
 //! A [`Draft`] is what a plan begins with, as it was at the commit horizon; making a plan of it takes nothing from the axis. The axis
-//! takes it if its horizon is where it was ([`Axis::install`]). So pulses may be committed while somebody plans: who was overtaken by them
-//! orders it at once ([`Axis::order`]), and the next refill is far then.
+//! takes it if its horizon is where it was ([`Axis::install`]). So a refill may commit pulses while a draft is planned. A draft that a refill
+//! has made too old is planned again at once, without a draft ([`Axis::order`]): the next refill is far then.
 
 use super::Axis;
 use crate::average::{Average, Window};

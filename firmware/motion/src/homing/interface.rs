@@ -15,7 +15,7 @@ pub struct Settings {
     pub returns: bool,
     /// Without an index pulse, the last move is at search speed as well.
     pub last_move_is_fast: bool,
-    /// The negative hard stop for -1 and -3, the positive one for -2 and -4.
+    /// Methods -1 to -4 with the directions exchanged: the negative hard stop for -1 and -3, the positive one for -2 and -4.
     pub other_block_signs: bool,
     /// At a hard stop home is where the motor has backed off to. Else it is where it was blocked.
     pub home_is_backed_off: bool,
@@ -39,7 +39,7 @@ pub struct Fitted {
     pub positive_limit: bool,
     pub home: bool,
     pub index: bool,
-    /// Whether the motor is blocked can be told.
+    /// The drive can tell that the motor is blocked: it has hard stop methods.
     pub block: bool,
 }
 

@@ -44,7 +44,7 @@ enum Phase {
     ToIndex,
     /// It runs into the hard stop.
     RunningIntoStop,
-    /// It has been blocked; its pulses are being dropped.
+    /// It has met the hard stop; its pulses are being dropped.
     Blocked,
     /// It goes to this position, away from the hard stop.
     BackingOff(i32),
@@ -173,8 +173,8 @@ impl Homing {
         }))
     }
 
-    /// What the phase makes of what is inputs. `passed` is the edge passed in this tick; `arrived` says that the motor has come to
-    /// rest where it was to.
+    /// The order of the present phase. `passed` is the edge passed in this tick; `arrived` says that the motor has come to rest where
+    /// it was ordered to.
     fn go_on(
         &mut self,
         inputs: &Inputs,

@@ -232,7 +232,7 @@ impl<'a> PlanBuilder<'a> {
         self.finish()
     }
 
-    /// Keeps `speed` for ever.
+    /// Keeps `speed`; the plan has no end.
     pub(super) fn keep(mut self, speed: Uq96) -> Result<(), PlanError> {
         self.cruise(speed, 0, 0);
         self.count += 1;
@@ -241,7 +241,7 @@ impl<'a> PlanBuilder<'a> {
         self.finish()
     }
 
-    /// A plan that lacks a piece goes on as its last one does, until whoever is told stops it.
+    /// A plan that lacks a piece goes on with its last one; the error makes the caller stop it.
     fn finish(self) -> Result<(), PlanError> {
         if self.is_full {
             self.plan.end = Ticks::MAX;

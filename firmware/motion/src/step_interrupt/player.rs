@@ -151,7 +151,7 @@ impl<'a, T: StepTimer> Player<'a, T> {
         }
     }
 
-    /// Whatever is not in the middle of a run.
+    /// An interrupt that is not within a run of equal periods.
     #[inline(never)]
     fn on_other(&mut self, now: u32) {
         match self.awaited {
@@ -311,7 +311,7 @@ impl<'a, T: StepTimer> Player<'a, T> {
         self.shared.drop.store(false, Ordering::Release);
     }
 
-    /// Nothing is being played any more; so many ticks have been.
+    /// Nothing is left to play; `played` ticks have been played in all.
     fn stop_playing(&mut self, played: u32) {
         self.awaited = Awaited::Nothing;
         self.shared.played.store(played, Ordering::Relaxed);

@@ -9,8 +9,8 @@ use super::Rules;
 use super::ramp::{Limit, Motion, RoughLimit, VirtualStart, steady_distance};
 use super::rough::{Kind, Rough};
 
-/// Looking with rough numbers takes some four steps, and with exact ones one. This bounds both; where a few exact steps do not come to
-/// the end, the bounds are halved.
+/// The most iterations: of the search in rough numbers, which takes some four; of Newton's method with exact ones, which takes one,
+/// before the bounds are halved instead; and of both with exact ones.
 const MOST_ROUGH: u32 = 24;
 const MOST_NEWTON: u32 = 4;
 const MOST_EXACT: u32 = 24;
@@ -18,37 +18,37 @@ const MOST_EXACT: u32 = 24;
 /// From rest they are halved until a velocity fits: each of them above zero is one at which the target is reached.
 const MOST_HALVINGS: u32 = 128;
 
-/// Behind so small a step, as a part of the velocity, the next one is within what rough numbers can tell; and behind an exact one
-/// the next is not needed.
+/// A step, as a part of the velocity, so small that the next one is below the resolution of rough numbers. After an exact step of that
+/// size no other is needed.
 const SMALL_STEP: Rough = Rough::power(-13);
 
-/// Bounds that lie no further apart, as a part of the velocity, are one.
+/// The search ends where the bounds are no further apart than this part of the velocity.
 const CLOSE_BOUNDS: Rough = Rough::power(-20);
 
-/// A part of a distance of which rough numbers are sure.
+/// The error of a distance in rough numbers is below this part of it.
 const ROUGH_ERROR: Rough = Rough::power(-16);
 
 /// The same where a velocity is the difference of others.
 const ROUGH_ERROR_OF_DIFFERENCE: Rough = Rough::power(-10);
 
-/// How much of an exact step is left out, so that it does not go beyond the root: the slope is not known better.
+/// An exact step is made shorter by this part, so that it does not pass the root: the slope is not known better.
 const STEP_MARGIN: Rough = Rough::power(-12);
 
-/// A sixteenth of a tick.
+/// A sixteenth of a tick, by which an exact step is made shorter too.
 const TIME_MARGIN: Rough = Rough::power(-24 - 4);
 
-/// An eighth of a tick: as much may be left out of the last step.
+/// An eighth of a tick: the last step may be made shorter by as much.
 const LAST_STEP_TOLERANCE: Rough = Rough::power(-24 - 3);
 
 /// A distance of 2³⁰ steps. Within a longer one a ramp may be so long that its distance saturates, which rough numbers cannot tell.
 const LONG: Rough = Rough::power(30);
 
-/// Ways of 2³¹ steps and more saturate: from here on, a few steps below that, they count as if they had.
+/// Distances of 2³¹ steps and more saturate. From here on, a few steps below that, a distance counts as saturated.
 const LONGEST: i128 = i128::MAX - (1 << 100);
 
 /// A ramp in rough numbers.
 struct Side {
-    /// The change of velocity, and the mean velocity, with the lowest cruise that comes into question.
+    /// The change of velocity, and the mean velocity, with the lowest possible cruise velocity.
     gain: Rough,
     mean: Rough,
     limit: RoughLimit,
@@ -316,7 +316,7 @@ impl<'a> Moves<'a> {
         self.refine(high, more, slope)
     }
 
-    /// From a good guess to the last bits.
+    /// Refines a good first guess to the last bits.
     fn refine(&self, mut high: i128, more: Rough, slope: Rough) -> i128 {
         let mut low = self.least;
         let mut cruise = low.saturating_add(exact(more)).min(high);
@@ -361,7 +361,7 @@ impl<'a> Moves<'a> {
     }
 }
 
-/// A velocity with all bits, as far as it has them.
+/// A rough velocity in Q96.
 fn exact(velocity: Rough) -> i128 {
     i128::try_from(velocity.fixed(Kind::Velocity)).unwrap_or(i128::MAX)
 }

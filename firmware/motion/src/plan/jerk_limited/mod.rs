@@ -28,7 +28,7 @@ use number::Number;
 use ramp::{Jerk, Limit, Motion, Ramp, RoughLimit, VirtualStart, stopping_distance};
 use rough::{Kind, Rough};
 
-/// What rules the motion, all per tick.
+/// The limits of the motion, all per tick.
 #[derive(Debug)]
 struct Rules<'a> {
     top: i128,
@@ -105,7 +105,7 @@ fn limit(clock: Clock, rate: u32, jerk: &Jerk) -> Limit {
     Limit::new(clock.half_acceleration(rate) << 1, jerk)
 }
 
-/// Does something by the rules that the limits make.
+/// Calls `then` with the limits in ticks.
 #[inline(always)]
 fn with_rules<R>(
     clock: Clock,
@@ -282,9 +282,9 @@ fn is_too_long(motion: &Motion, rules: &Rules<'_>) -> bool {
 
 /// What rough numbers tell of a stop.
 struct Fit {
-    /// It ends before the target, without doubt.
+    /// It certainly ends before the target.
     is_ample: bool,
-    /// Nor is it certain that it ends behind it.
+    /// Rough numbers cannot tell whether it ends before the target or behind it.
     is_unknown: bool,
     /// It may end 2³¹ steps away, or more.
     is_doubtful: bool,

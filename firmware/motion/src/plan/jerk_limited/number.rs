@@ -1,4 +1,5 @@
-//! Numbers of some sixty bits with an exponent: what a jerk-limited motion is worked out with, before its phases are written.
+//! Floating point in software with a mantissa of 62 bits: jerk-limited motions are computed in it, and their phases written in
+//! fixed point.
 //!
 //! A product is three short ones; reciprocal and root are begun in floating point, and the 22 bits that come from there are made 60
 //! by a series of two terms. So a division costs a fifth of one with all bits. Nothing is rounded to the nearest, and a
@@ -7,7 +8,7 @@
 use super::rough::{Kind, Rough};
 use crate::root::reciprocal_root;
 
-/// So many bits has a mantissa, beside its sign.
+/// The bits of a mantissa, without its sign.
 const BITS: u32 = 62;
 
 /// mantissa · 2^exponent

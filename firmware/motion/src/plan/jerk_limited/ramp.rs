@@ -41,13 +41,14 @@ pub(super) struct Limit {
     /// Q96 steps per tick².
     pub(super) most: i128,
     number: Number,
-    /// How long it takes to come about.
+    /// The time from no acceleration to this one, at the jerk.
     entry: Number,
-    /// What the velocity gains meanwhile.
+    /// The change of velocity in that time.
     half: Number,
-    /// The same of coming about and going together, Q96, saturating: it may be beyond all velocities.
+    /// The change of velocity while the acceleration grows to the limit and falls again at once, Q96, saturating: it may be beyond
+    /// all velocities.
     rises: i128,
-    /// One by it, if it was asked for; and then also the entry in Q32 ticks.
+    /// Its reciprocal, once it was asked for; and then also the entry in Q32 ticks.
     inverse: Cell<Number>,
     exact_entry: Cell<i128>,
     pub(super) rough: RoughLimit,
@@ -57,7 +58,7 @@ pub(super) struct Limit {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RoughLimit {
     pub(super) square: Rough,
-    /// One by the acceleration.
+    /// The reciprocal of the acceleration.
     pub(super) slowness: Rough,
     pub(super) entry: Rough,
 }
@@ -98,9 +99,9 @@ impl Limit {
     }
 }
 
-/// How a ramp changes the velocity that begins and ends with no acceleration.
+/// The times of a ramp that begins and ends with no acceleration.
 struct Steady {
-    /// How long the acceleration grows, and falls.
+    /// How long the acceleration grows, and how long it falls again.
     entry: Number,
     /// How long it stays at the limit; none if it does not get there.
     hold: Option<Number>,
@@ -167,9 +168,9 @@ pub(super) fn stopping_distance(from: &Motion, limit: &Limit, jerk: &Jerk) -> i1
 pub(super) struct Motion {
     pub(super) velocity: i128,
     pub(super) acceleration: i128,
-    /// How long it takes to go to zero; negative, if it is.
+    /// The time in which the acceleration goes to zero at the jerk; negative if the acceleration is.
     pub(super) time: Number,
-    /// What the velocity gains or loses meanwhile.
+    /// The change of velocity in that time.
     pub(super) change: Number,
     /// The same, Q96.
     exact_change: i128,
@@ -212,7 +213,7 @@ impl Motion {
         self.velocity == 0 && self.acceleration == 0
     }
 
-    /// The velocity that is left when the acceleration has gone to zero by the shortest way.
+    /// The velocity at the end, if the acceleration now goes to zero at the jerk.
     pub(super) const fn coasting(&self) -> i128 {
         if self.acceleration < 0 {
             self.velocity.wrapping_sub(self.exact_change)
@@ -222,12 +223,13 @@ impl Motion {
     }
 }
 
-/// The ramp without acceleration at its beginning whose rest another one is.
+/// Where a ramp that begins with an acceleration would have begun at the same jerk from an acceleration of zero: the ramp is the
+/// last part of that longer one.
 #[derive(Debug)]
 pub(super) struct VirtualStart {
-    /// How far the motion is ahead of its beginning, Q96 steps.
+    /// How far the motion is ahead of the virtual start, Q96 steps.
     pub(super) ahead: i128,
-    /// How long ago that is, Q32; negative, if it is still to come.
+    /// How long ago the virtual start is, Q32 ticks; negative if it is still to come.
     ago: i128,
     /// The velocity there.
     pub(super) velocity: i128,
@@ -464,7 +466,7 @@ impl Ramp {
     }
 }
 
-/// A third of what has 96 bits, which leaves room for those of a third.
+/// A third of a number of 96 bits.
 #[inline(always)]
 pub(super) fn third(value: u128) -> u128 {
     /// Of 2⁶⁴.

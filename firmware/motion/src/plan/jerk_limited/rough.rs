@@ -1,11 +1,11 @@
-//! Rough numbers: of about 22 bits, in floating point, none negative.
+//! Rough numbers: single-precision floating point (the hardware's), of which some 22 bits are right.
 //!
 //! They are for guesses which exact numbers check afterwards: an operation is one instruction where one with all bits takes hundreds.
 //! So that nothing becomes too small for them, they count time in units of 2²⁴ ticks.
 
 use crate::root::reciprocal_root;
 
-/// What a rough number is, and so how many bits an exact one has behind the point.
+/// The quantity of a number, which says how many bits the exact number has behind the point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     /// Steps, Q96.
@@ -48,7 +48,7 @@ impl Rough {
         ))
     }
 
-    /// number · 2^exponent; what is too small or too large for an exponent counts as the last one.
+    /// number · 2^exponent, the exponent cut to −126 to 127.
     pub(super) fn scaled(number: f32, exponent: i32) -> Self {
         Self(number * Self::power(exponent.clamp(-126, 127)).0)
     }
