@@ -1,11 +1,11 @@
 //! What a product does beyond its data: a module of its own with a hook in the tick.
 //!
-//! Most of another maker's drive is data: data sheet, binding, habits. Where behaviour is not data (an input that forbids motion, motion tasks),
+//! Most of what makes a product of another manufacturer is data: data sheet, binding, habits. Where behaviour is not data (an input that forbids motion, motion tasks),
 //! the product's folder has a Rust module whose `Module` implements [`Behaviour`], and `od-gen` puts it into [`Objects::Behaviour`].
 //! The generic drive has `()`: nothing of this is in its image.
 //!
 //! The device calls it in the task that serves the bus:
-//! - [`Behaviour::check`] and [`Behaviour::written`] with each write of an object of the drive or of its maker;
+//! - [`Behaviour::check`] and [`Behaviour::written`] with each write of an object of the drive or of its manufacturer;
 //! - [`Behaviour::look`] behind each control tick, and before a frame is taken: what the drive has published, written to the dictionary before;
 //! - [`Behaviour::command`] with each set of commands, before the state machine has them;
 //! - [`Behaviour::loops`] behind each control tick of a servo: what its loops tell, and what they are set to;
@@ -27,7 +27,7 @@ pub use motion::{SignedSpeed, Speed};
 
 use crate::units::Units;
 
-/// What there is to see.
+/// What [`Behaviour::look`] is given.
 #[derive(Clone, Copy, Debug)]
 pub struct View<'a> {
     /// What the drive published last.
@@ -38,16 +38,17 @@ pub struct View<'a> {
     pub is_storing: bool,
     /// Which of [`Objects::TOLD_ERRORS`] stand, a bit for each.
     pub errors: u32,
-    /// A frame is to be served: it may read what the module shows. Else time passes, and transmit PDOs look for changes.
+    /// A received frame is served next, which may read what the module shows; otherwise a control tick has passed, and transmit PDOs
+    /// are checked for changes.
     pub serves_frame: bool,
-    /// When.
+    /// The time of this look.
     pub at: Instant,
 }
 
-/// What is to be done beside commands. Each is done once.
+/// Requests of a module beside its commands. Each is carried out once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Asks {
-    /// The commands are others than those given last.
+    /// [`Behaviour::command`] would give other commands than last time: they are to be posted.
     pub commands: bool,
     /// An object that sets something up was written by the module.
     pub configuration: bool,

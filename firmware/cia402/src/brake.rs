@@ -56,16 +56,16 @@ impl Brake {
     }
 }
 
-/// What has to let go of the motor before it moves.
+/// What keeps the motor from moving at power-on: the brake, and a rotor that is still drawn to its field.
 #[derive(Debug)]
 pub(crate) struct Brakes {
     /// The brake as the state machine wants it.
     pub(crate) wanted: Brake,
     /// The brake itself: 60FEh may want it otherwise.
     pub(crate) actual: Brake,
-    /// When the field has caught the rotor: from then on the motor may move.
+    /// From when on the rotor counts as aligned with the field, so that the motor may move.
     pub(crate) aligned_at: Instant,
-    /// From when on the brake may open, for the current has come so long before.
+    /// From when on the brake may open: so long the current needs to rise (2040h:3).
     pub(crate) may_open_at: Instant,
 }
 
@@ -80,7 +80,7 @@ impl Brakes {
         }
     }
 
-    /// Whether the field holds the rotor.
+    /// Whether the rotor is aligned with the field.
     pub(crate) fn is_rotor_aligned(&self, now: Instant) -> bool {
         now >= self.aligned_at
     }

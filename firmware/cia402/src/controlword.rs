@@ -84,7 +84,7 @@ pub struct ControlwordHistory {
     command: Option<Command>,
 }
 
-/// What [`ControlwordHistory`] remembers.
+/// What happened in the controlword between two control ticks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ControlwordEvents {
     /// Bits that rose.

@@ -321,7 +321,7 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
         actuals
     }
 
-    /// What words of the maker are made of.
+    /// What the status words of the manufacturer are made from.
     #[inline]
     fn facts(&self, actuals: &Actuals) -> Facts {
         let errors = D::TOLD_ERRORS.iter().rev();

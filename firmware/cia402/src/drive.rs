@@ -47,7 +47,7 @@ pub struct Drive<D = Everything, A = StepAxis> {
     /// What the network wants, as of the last tick.
     commands: Commands,
     configuration: Configuration,
-    /// How the numbers of the user lie on the increments.
+    /// Which number of the user belongs to which increment.
     frame: PositionFrame,
     /// Where the motor may go.
     limits: SoftwareLimits,

@@ -5,7 +5,7 @@
 //! [`Scheme`] and [`Ramps`] there.
 //!
 //! The contract:
-//! - Counts become increments as a fraction whose rest is kept: a million turns of the master end where they have to, in both directions, and
+//! - Counts become increments as a fraction whose remainder is kept: a million turns of the master end where they have to, in both directions, and
 //!   the counter may pass the end of its 32 bits.
 //! - While it is synchronised, what the position has lost is made up for: the velocity is that of the master and [`GAIN`] times the error.
 //! - A coupling has one of three schemes; each begins with the speed that the motor has. Decoupling slows down to standstill on a ramp of its own.
@@ -177,7 +177,7 @@ impl Follower {
         }
     }
 
-    /// The motor is another's, whatever it does.
+    /// Something else moves the motor: nothing is coupled, and no ramp is run.
     pub const fn forget(&mut self) {
         self.phase = Phase::Open;
     }
@@ -187,7 +187,7 @@ impl Follower {
         !matches!(self.phase, Phase::Open | Phase::Leaves)
     }
 
-    /// Whether the motor is the follower's: it follows, or slows down to stand.
+    /// Whether the follower moves the motor: it follows, or slows down to stand.
     pub const fn is_at_work(&self) -> bool {
         !matches!(self.phase, Phase::Open)
     }
@@ -289,7 +289,7 @@ fn correction(error: i64) -> i64 {
     (error.clamp(-(1 << 40), 1 << 40) * GAIN) << POINT
 }
 
-/// The velocity that half of this ramp takes away over so many increments.
+/// The velocity from which half of this deceleration comes to rest within so many increments.
 fn braking(error: i64, ramp: u32) -> i64 {
     let square = error.unsigned_abs().saturating_mul(ramp.into());
     i64::try_from(square.isqrt()).unwrap_or(i64::MAX >> 20) << POINT

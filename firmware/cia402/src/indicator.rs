@@ -1,10 +1,10 @@
-//! The light of the drive: what the power stage does, and the code of a fault by blinks.
+//! The status LED of the drive: the state of the power stage, and the error code of a fault by flashes.
 //!
 //! CiA 303-3 has lights for the communication only. This one is for whoever stands before the machine without a master:
 //!
 //! | the drive | the light |
 //! |---|---|
-//! | switch on disabled, or without supply | a glimpse of 50 ms every 2 s: the drive lives |
+//! | switch on disabled, or without supply | a flash of 50 ms every 2 s: the drive is alive |
 //! | ready to switch on, switched on | 500 ms lit, 500 ms dark |
 //! | operation enabled, quick stop active | lit |
 //! | fault | the first two digits of the error code 603Fh, by flashes of 200 ms |
@@ -17,7 +17,7 @@ use canopen::cia303::Pattern;
 
 use crate::state_machine::State;
 
-/// What the light is to say.
+/// What the LED shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DriveSignal {
     /// The state of the drive.
@@ -45,14 +45,14 @@ const BETWEEN: u16 = 8;
 /// Dark after both digits, beside the pause of the last flash.
 const AFTER: u16 = 36;
 
-/// Steps of the glimpse and of its turn.
+/// Steps of the flash that shows that the drive is alive, and of its period.
 const ALIVE_FLASH: u16 = 1;
 const ALIVE_PERIOD: u16 = 40;
 
-/// Steps of half a turn while the drive is ready.
+/// Steps of half a period while the drive is ready.
 const READY: u16 = 10;
 
-/// The light, and where it is in what it says.
+/// The LED, and the step of its pattern.
 #[derive(Clone, Debug, Default)]
 pub struct DriveLight {
     step: u16,

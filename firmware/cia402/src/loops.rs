@@ -1,30 +1,31 @@
-//! What the loops of a servo are set to beside their orders, what they are asked to measure, and what they tell.
+//! The settings of the loops of a servo, the measurements they are asked for, and what they report.
 //!
 //! A generic drive has objects for all of it (20C0h to 20C5h). A product has objects of its own, of which its module makes this
 //! ([`Behaviour::loops`](crate::Behaviour::loops)).
 
-/// The motor and its loops as the objects say it; 0 is what the axis has.
+/// The settings of motor and loops from the objects; 0 stands for the value built into the axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ServoSettings {
     /// 20C2h: in µΩ, nH along and across, nV·s, g·mm², µN·m. Taken over while the power is off.
     pub motor: [u32; 6],
     /// Taken over while the power is off.
     pub pole_pairs: u16,
-    /// The magnet is so far ahead of where it is taken to be, in electrical turns of 2¹⁶. Taken over while the power is off.
+    /// The commutation offset: how far the rotor's flux is ahead of the angle from the encoder, in electrical turns of 2¹⁶. Taken over
+    /// while the power is off.
     pub offset: u16,
     /// The encoder counts the other way. Taken over while the power is off.
     pub is_turned: bool,
-    /// The current leads by so much more than a quarter of an electrical turn, in turns of 2¹⁶.
+    /// How much the current vector leads the flux beyond a quarter of an electrical turn, in turns of 2¹⁶.
     pub lead: i16,
     /// No current, whatever is ordered.
     pub is_barred: bool,
-    /// What is given ahead of the loops of velocity and acceleration, in thousandths.
+    /// The feed-forward of velocity and of acceleration, in thousandths.
     pub ahead: (u16, u16),
     /// 60F9h:1 and 2, 60FBh:1, in 1/s.
     pub gains: [u16; 3],
-    /// 60F6h:1, in thousandths.
+    /// 60F6h:1: the gain of the current loop across the magnet (q axis), in thousandths.
     pub share: u16,
-    /// The same along the magnet; 0 is as across it.
+    /// The same along the magnet (d axis); 0 is as across it.
     pub share_along: u16,
     /// The share of what the current loop does not know that a period takes up, in thousandths; 0 is that of the loop.
     pub learning: u16,
@@ -42,22 +43,25 @@ impl Default for ServoSettings {
     }
 }
 
-/// 20C4h:1 to 6; a way of 0 is none.
+/// A stepper with a rotating field in place of field-oriented control, 20C4h:1 to 6. The lead is the angle by which the field is ahead of
+/// the rotor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StepperSettings {
-    /// 1 supervised, 2 made up at rest, 3 made up at once, 4 kept back. Taken over while the power is off.
+    /// 20C4h:1: 0 field-oriented control. As a stepper: 1, a lead beyond the bound is reported only; 2 to 4, the field is held at the
+    /// bound, and the steps that it falls behind are made up at rest (2), at once (3), or not at all (4). Taken over while the power is
+    /// off.
     pub way: u8,
-    /// Hundredths of a full step.
+    /// 20C4h:2: the bound of the lead, in hundredths of a full step.
     pub bound: u16,
-    /// Full steps/s.
+    /// 20C4h:3: the velocity with which steps are made up, in full steps/s.
     pub speed: u16,
-    /// Thousandths of 6075h.
+    /// 20C4h:4: the current in motion, in thousandths of 6075h.
     pub current: u16,
-    /// Thousandths of that.
+    /// 20C4h:5: the current at rest, in thousandths of that in motion.
     pub at_rest: u16,
-    /// In ms.
+    /// 20C4h:6: the time in which the current falls to a third of the difference, in ms.
     pub fall: u16,
-    /// All of it is taken over at once, whatever the motor does.
+    /// These settings are taken over at once, whatever the motor does.
     pub is_at_once: bool,
 }
 
@@ -92,7 +96,8 @@ impl ServoSettings {
 /// What is to be measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Request {
-    /// The motor: with this current in thousandths of the rated one, this way in thousandths of a turn, for this bandwidth in 1/s.
+    /// Identify the motor: with this current in thousandths of the rated one, within this distance in thousandths of a turn, for this
+    /// bandwidth in 1/s.
     Motor {
         /// 20C0h:2.
         current: u16,
@@ -101,7 +106,8 @@ pub enum Request {
         /// 20C0h:4.
         bandwidth: u16,
     },
-    /// A sine is added to the torque: of these thousandths of the rated one, from one frequency to another in 0.1 Hz, for so many ms.
+    /// A chirp: a sine added to the torque, of this amplitude in thousandths of the rated torque, from one frequency to another in 0.1 Hz,
+    /// for so many ms.
     Chirp {
         /// 20C0h:5.
         torque: u16,
@@ -116,7 +122,7 @@ pub enum Request {
     End,
 }
 
-/// What was found, as 20C1h tells it.
+/// The result of a measurement, as 20C1h shows it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Found {
     /// 20C1h:1 and 2.
@@ -156,7 +162,7 @@ impl Found {
     }
 }
 
-/// What the loops tell beside the actual values.
+/// What the loops report beside the actual values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Told {
     /// What a measurement has found.
@@ -171,7 +177,7 @@ pub struct Told {
     pub own_pole_pairs: u16,
     /// See `own_motor`.
     pub own_torque_constant: u32,
-    /// What an ampere in the motor makes, in µN·m.
+    /// The torque constant in µN·m/A.
     pub torque_constant: u32,
     /// The gains of the axis where no others are set, as [`ServoSettings::gains`] has them, and the share of its current loop.
     pub own_gains: [u16; 3],
@@ -199,7 +205,7 @@ pub struct Told {
     pub current: (i32, i32),
     /// The electrical angle of the rotor, in turns of 2¹⁶.
     pub angle: u16,
-    /// How much of I²t is spent, in thousandths.
+    /// The I²t load, in thousandths of the limit.
     pub heat: u16,
     /// A limit of torque, current or lead is in the way, or steps are held back.
     pub is_limited: bool,

@@ -25,7 +25,7 @@ pub(crate) struct Monitor {
     outside: WindowTimer,
     /// What was found in this tick.
     observed: Observed,
-    /// The following error has been too large since the last fault reset.
+    /// There was a following error (outside of 6065h for 6066h) since the last fault reset.
     had_following_error: bool,
 }
 
@@ -58,7 +58,7 @@ impl Monitor {
         &self.observed
     }
 
-    /// Whether the following error has been too large since the last call of [`Monitor::forget_following_error`].
+    /// Whether there was a following error since the last call of [`Monitor::forget_following_error`].
     pub(crate) const fn had_following_error(&self) -> bool {
         self.had_following_error
     }

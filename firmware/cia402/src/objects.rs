@@ -22,7 +22,7 @@ macro_rules! objects {
             /// What the drive has.
             const DRIVE: Features = Features::ALL;
 
-            /// What the drive does in the way of its maker.
+            /// What the drive does otherwise than the standard says, as its manufacturer's drives do.
             const DRIVE_HABITS: Habits = Habits::STANDARD;
 
             /// The data sheet, which 1021h gives to whoever asks; empty where there is no such object.
@@ -56,10 +56,10 @@ macro_rules! objects {
                 let _ = entry;
             }
 
-            /// Errors of the drive that words of the maker tell of, at most 32.
+            /// Error codes that status words of the manufacturer show as bits, at most 32.
             const TOLD_ERRORS: &'static [u16] = &[];
 
-            /// The words of the maker show what holds now.
+            /// Writes the status words of the manufacturer from the present state of the drive.
             fn show_facts(&mut self, facts: &Facts) {
                 let _ = facts;
             }
@@ -93,7 +93,7 @@ macro_rules! object {
 
 every_parameter!(objects);
 
-/// What words of a maker are made of, one bit or more each.
+/// The state of the drive from which the bits of a manufacturer's status words are made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Facts {
     /// 6041h.

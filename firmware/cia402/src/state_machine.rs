@@ -252,7 +252,7 @@ pub(crate) enum Phase {
     Settled,
     /// This command to leave operation enabled waits for the motor to stand.
     Leaving(Command),
-    /// The fault reaction is over, and goes on only to be seen.
+    /// The fault reaction is over; the state lasts until a transmit PDO has shown it.
     Shown,
     /// The same, or fault, and the master has reset the fault while it was shown.
     Reset,

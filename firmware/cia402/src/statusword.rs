@@ -9,7 +9,7 @@ pub const VOLTAGE_ENABLED: u16 = 1 << 4;
 pub const QUICK_STOP: u16 = 1 << 5;
 /// Bit 7, warning.
 pub const WARNING: u16 = 1 << 7;
-/// Bit 8, which is the maker's: the control tick is locked to SYNC, with the habit for that.
+/// Bit 8, manufacturer specific: the control tick is locked to SYNC, for a product that shows it there.
 pub const LOCKED: u16 = 1 << 8;
 /// Bit 9, remote: the controlword is obeyed. It is 1 in NMT states Pre-operational and Operational, so that a drive can be
 /// commanded by SDO alone, and 0 in Stopped and while the device starts anew.

@@ -1,4 +1,4 @@
-//! How long something has been so: the times that belong to windows and thresholds.
+//! How long a condition has held: the times that belong to windows and thresholds.
 
 use canopen::{Duration, Instant};
 

@@ -24,7 +24,7 @@ pub use step_axis::{Emitter, EmitterLock, StepAxis};
 
 pub use cia402_parameters::TORQUE_MODES;
 
-/// A motion that cannot be: its limits make no plan, its target is out of range, or a limit switch is in the way.
+/// A motion that is not possible: a limit is 0, the target is out of range, or a limit switch blocks it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Refused;
 

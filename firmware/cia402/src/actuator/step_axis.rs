@@ -35,7 +35,7 @@ pub struct StepAxis<L = Emitter> {
     timescale: Timescale,
     /// From which tick on the next set-point was asked about in this control tick.
     path_begin: Cell<Ticks>,
-    /// A plan cannot be.
+    /// A planner has failed.
     is_broken: bool,
     /// Refills come between the ticks, and commit the pulses of a motor that moves.
     is_refilled: bool,

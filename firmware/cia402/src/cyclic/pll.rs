@@ -23,8 +23,8 @@ const USUAL: MicrosQ16 = 1_000 << POINT;
 const SETTLED: u8 = 32;
 /// Missed in a row: there are no sync events any more.
 const SILENCE: u8 = 8;
-/// So much trouble, and the loop begins anew.
-const TROUBLE: u8 = 16;
+/// The loop begins anew where this many points have come together: two for each rejected or missed sync event, less one for each in time.
+const RESTART_SCORE: u8 = 16;
 /// A sync event may always be so far off, beside what jitter makes of it: 100 µs.
 const SLACK: u64 = 100 << POINT;
 
@@ -50,7 +50,7 @@ pub(crate) struct Pll {
     good: u8,
     /// Missed in a row.
     silent: u8,
-    trouble: u8,
+    error_score: u8,
     jitter: MicrosQ16,
     missed: u32,
     rejected: u32,
@@ -65,7 +65,7 @@ impl Pll {
             is_running: false,
             good: 0,
             silent: 0,
-            trouble: 0,
+            error_score: 0,
             jitter: 0,
             missed: 0,
             rejected: 0,
@@ -125,7 +125,11 @@ impl Pll {
     /// A sync event came at `stamp`. The period is expected to be one of `expected`, the first of them before there is anything to measure by.
     pub(crate) fn on_sync_event(&mut self, stamp: MicrosQ16, expected: [MicrosQ16; 2]) -> Arrival {
         let before = span(self.last_event, stamp);
-        if !self.is_running || self.silent >= SILENCE || self.trouble >= TROUBLE || before < 0 {
+        if !self.is_running
+            || self.silent >= SILENCE
+            || self.error_score >= RESTART_SCORE
+            || before < 0
+        {
             self.begin(stamp, expected);
             return Arrival::InTurn;
         }
@@ -178,7 +182,7 @@ impl Pll {
             self.silent = self.silent.saturating_add(1);
             if self.silent <= SILENCE {
                 self.missed = self.missed.saturating_add(1);
-                self.trouble = self.trouble.saturating_add(2);
+                self.error_score = self.error_score.saturating_add(2);
             }
         }
         true
@@ -266,19 +270,19 @@ impl Pll {
             .saturating_add_signed(gain)
             .clamp(SHORTEST, LONGEST);
         self.good = self.good.saturating_add(1);
-        self.trouble = self.trouble.saturating_sub(1);
+        self.error_score = self.error_score.saturating_sub(1);
     }
 
     fn reject(&mut self) {
         self.rejected = self.rejected.saturating_add(1);
-        self.trouble = self.trouble.saturating_add(2);
+        self.error_score = self.error_score.saturating_add(2);
     }
 }
 
-/// Every sync event is waited for so long, a quarter of a millisecond.
+/// The shortest time-out of a sync event, a quarter of a millisecond.
 const SHORTEST_TIMEOUT: i64 = (SHORTEST / 2).cast_signed();
 
-/// How long after its moment a sync event is waited for. Half a period, but of short periods less than a control tick, so that there is time to
+/// The time-out of a sync event: how long after its moment it counts as missed. Half a period, but of short periods less than a control tick, so that there is time to
 /// bridge what is missing.
 pub(crate) fn timeout(period: MicrosQ16) -> MicrosQ16 {
     const BRIDGING: MicrosQ16 = 3_500 << POINT;

@@ -6,7 +6,7 @@
 
 use canopen::{Duration, Instant};
 
-/// What the timer was programmed.
+/// What the timer was programmed with.
 #[derive(Clone, Copy, Debug)]
 struct Programmed {
     /// When the tick was to run that runs now.

@@ -153,7 +153,7 @@ fn wish<D: Behaves>(setting: u8, value: &[u8]) -> Option<Wish> {
     })
 }
 
-/// What the bytes of a setting in another maker's object are in 5FF0h.
+/// The value for 5FF0h of a setting written to an object of another manufacturer.
 fn translated<D: Objects>(setting: u8, value: &[u8]) -> Option<u8> {
     let bytes = value.iter().rev();
     let number = bytes.fold(0, |all, byte| all << 8 | u32::from(*byte));
@@ -288,7 +288,7 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
         }
     }
 
-    /// Shows the settings in objects of another maker.
+    /// Shows the settings in objects of another manufacturer.
     fn show_elsewhere(&mut self, node_id: u8, rate: u8) {
         let rates = D::DRIVE_HABITS.network.bit_rates;
         let rate = match rates.iter().find(|(_, index)| *index == rate) {
@@ -313,5 +313,5 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
     }
 }
 
-/// Where a device that was told nothing has its settings from.
+/// The sources of the settings where none were given: both from the factory.
 pub(super) const FACTORY_SOURCES: (Source, Source) = (Source::Factory, Source::Factory);

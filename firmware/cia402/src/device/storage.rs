@@ -9,7 +9,7 @@ use super::Device;
 use crate::behaviour::Behaves;
 use crate::exchange::Share;
 
-/// How long a master that has ordered to store waits for a motor that is just being switched off. A moment is needed in any
+/// How long an order to store waits for a motor that is just being switched off, before it is refused. A moment is needed in any
 /// case: the drive is safe when a control tick has seen the latest commands.
 const POWER_OFF_TIMEOUT: Duration = Duration::millis(50);
 

@@ -10,7 +10,7 @@ use crate::periphery::News;
 use crate::periphery::digital_outputs::Shown;
 use crate::periphery::motor_current::Motion;
 
-/// A rotor that its field has aligned_at swings for so long, in microseconds.
+/// So long a rotor swings after it was drawn to its field, in microseconds.
 const ALIGNMENT_TIME: u64 = 50_000;
 
 impl<D: Objects, A: Actuator> Drive<D, A> {

@@ -56,7 +56,7 @@ struct Knot {
     most: i64,
 }
 
-/// How the next set-point is gone to.
+/// The times of the path segment to the next set-point.
 #[derive(Clone, Copy, Debug)]
 struct SegmentTiming {
     /// The time from the set-point before.

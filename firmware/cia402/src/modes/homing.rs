@@ -1,6 +1,6 @@
 //! Homing, mode 6 (CiA 402-2): the motor finds the home position, and positions count from there.
 //!
-//! A rising edge of controlword bit 4 begins with method 6098h, speeds 6099h, acceleration 609Ah, home offset 607Ch and the readings
+//! A rising edge of controlword bit 4 begins with method 6098h, speeds 6099h, acceleration 609Ah, home offset 607Ch and the options
 //! 2030h as they are at that moment; a later write counts for the next time. How the methods go is in [`motion::homing`].
 //! - Afterwards 6064h is 607Ch at the home position; the motor has stopped a little behind it.
 //! - Bit 4 that falls interrupts: the motor slows down with 609Ah, at most 60C6h, and what was known of the home position before

@@ -47,7 +47,7 @@ use profile_torque::ProfileTorque;
 use profile_velocity::ProfileVelocity;
 use velocity::Velocity;
 
-/// What a drive is made of, known when it is compiled: the objects of its data sheet, and what moves its motor.
+/// The types of a drive: the objects of its data sheet and its actuator.
 pub(crate) trait DriveTypes {
     type Objects: Objects;
     type Actuator: Actuator;
@@ -89,7 +89,7 @@ pub(crate) struct Context<'a, P: DriveTypes> {
     pub(crate) slots: &'a [Slot],
     /// The data records that wait.
     pub(crate) buffer: &'a mut Buffer,
-    /// From a sync event to the next, and the time it takes until what is committed now have left.
+    /// The delays between a sync event and the motor.
     pub(crate) pipeline: &'a Pipeline,
     /// A regular tick follows in less than a period.
     pub(crate) is_early: bool,
@@ -103,7 +103,7 @@ impl<'a, P: DriveTypes> Context<'a, P> {
         self.configuration.units.of_drive::<P::Objects>()
     }
 
-    /// What the drive does in the way of its maker.
+    /// What the drive does otherwise than the standard says.
     pub(crate) const fn habits(&self) -> crate::Habits {
         P::Objects::DRIVE_HABITS
     }

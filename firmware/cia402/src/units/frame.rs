@@ -1,4 +1,4 @@
-//! How the numbers of the user lie on the increments.
+//! The frame of positions: which number of the user belongs to which increment.
 
 use motion::low;
 

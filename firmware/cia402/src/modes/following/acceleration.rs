@@ -10,7 +10,7 @@ const LONGEST: usize = 16;
 /// How many set-points are kept: two of the longest spans end with the one to come.
 const KEPT: usize = 2 * LONGEST;
 
-/// What two spans differ by from period to period, in increments × 2¹⁶.
+/// By how much the distance of a period may differ from that of the one before, in increments × 2¹⁶.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MaxChange {
     /// While the speed grows: 60C5h.
