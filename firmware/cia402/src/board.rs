@@ -12,13 +12,13 @@ pub struct DriveConfig {
     pub axis: AxisConfig,
     /// The period of the control tick, the nominal time between two calls of [`crate::Drive::tick`].
     pub tick: Duration,
-    /// How often in the period of a tick pulses are committed, at least 1: once is in [`crate::Drive::tick`]; more often, in
-    /// [`crate::Drive::refill`] or [`crate::Emitter::refill`], and by a tick only for a motor that stands. Two segments are committed ahead; a
-    /// segment shorter than the time between is stretched to it, so that one may come late by as much.
+    /// How often pulses are committed in the period of a tick, at least 1. With 1 [`crate::Drive::tick`] commits them; with more,
+    /// [`crate::Drive::refill`] or [`crate::Emitter::refill`] does, and a tick only for a motor that stands. Two segments are committed
+    /// ahead. A segment is at least as long as the time between two commitments, so that one of these may come late by as much.
     pub refills: u32,
 }
 
-/// An output that rises with the very pulse that comes to a position, and then at each further one.
+/// Position compare: an output rises with the pulse that reaches a position, and again at positions evenly spaced behind it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Compare {
     /// The first position in increments: in [`Commands`](crate::commands::Commands) as the master counts, in [`Outputs`] as the board does.
@@ -27,7 +27,7 @@ pub struct Compare {
     pub spacing: i32,
     /// After so many it is over; 0: never.
     pub count: u16,
-    /// Another number begins anew with the first one.
+    /// A change of this number starts it again from the first position.
     pub number: u8,
     /// The output, a bit as in [`Outputs::digital`].
     pub output: u8,
@@ -72,10 +72,10 @@ pub struct Inputs {
 /// What the board must do, set at the end of a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct Outputs {
-    /// When the next tick is due, in step with SYNC; `None` where nothing but the nominal period matters, and behind an early tick. To the nearest microsecond;
-    /// what is rounded off does not add up.
+    /// When the next tick is due, in step with SYNC, to the nearest microsecond (rounding does not add up); `None` for the nominal period,
+    /// and after an early tick.
     pub next_tick: Option<Instant>,
-    /// Current in the motor.
+    /// The power stage is on: there is current in the motor.
     pub power_stage: bool,
     /// The brake is open.
     pub brake_released: bool,

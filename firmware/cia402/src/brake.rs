@@ -1,9 +1,9 @@
-//! The holding brake: it is opened after the motor has current, and closed before the current goes.
+//! The holding brake: it is opened after the motor has current, and closed before the current is switched off.
 //!
-//! A brake takes its time. Transition 4 does not wait for it: the drive shows operation enabled at once, and its modes hold the
-//! motor until the brake is open (2040h:1). It is told to open so long after the current has come (2040h:3). Where operation ends on a ramp, the motor keeps its current until the brake has
-//! closed (2040h:2); the transition that takes the current away follows then. Where the current must go at once, the brake falls with
-//! it.
+//! A brake opens and closes slowly. Transition 4 does not wait for it: the drive shows operation enabled at once, and its modes hold the
+//! motor until the brake is open. The order to open comes 2040h:3 after the current, and the brake counts as open 2040h:1 after the
+//! order. Where operation ends on a ramp, the motor keeps its current until the brake has closed (2040h:2 after the order); then follows
+//! the transition that switches the current off. Where the current must go at once, brake and current are switched off together.
 
 use canopen::{Duration, Instant};
 

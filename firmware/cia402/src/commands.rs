@@ -155,8 +155,7 @@ impl Commands {
         copy_fields!(Self { controlword, rising, stop, shutdown_first, overwritten, remote, connection_error, restart, mode, vl_target_velocity, target_position, profile_velocity, end_velocity, positioning_option, profile_acceleration, profile_deceleration, target_velocity, #[cfg(feature = "torque")] velocity_offset, target_torque, torque_offset, touch_probe_function, touch_probes_off, digital_outputs, digital_outputs_mask, outputs_written, passed_set_point, fault, home_switch, compare }, from => self);
     }
 
-    /// Whether these ask for a stop that those of before did not: halt, a command that leaves operation enabled, or the network may command the drive no
-    /// longer.
+    /// Whether these ask for a stop that those of before did not: halt, a command that leaves operation enabled, or the loss of the network.
     pub(crate) fn stop_behind(&self, before: &Self) -> bool {
         let standing = Command::decode(before.controlword);
         let leaves = match (self.stop, Command::decode(self.controlword)) {

@@ -69,7 +69,7 @@ pub struct Drive<D = Everything, A = StepAxis> {
     ticked: Instant,
     /// The sync events of the network, and what the cyclic modes go by.
     cyclic: Cyclic,
-    /// Only its features are of interest.
+    /// Its features alone are used.
     dictionary: PhantomData<fn() -> D>,
 }
 
@@ -89,9 +89,9 @@ struct Tick<'a> {
     has_changed: bool,
     /// So may the commands.
     has_commands: bool,
-    /// Something may be asked for that was not in the tick before.
+    /// The commands may ask for something else than in the tick before.
     is_asked: bool,
-    /// The state has been seen on the bus, or nobody looks.
+    /// A transmit PDO has shown the state, or none can.
     is_seen: bool,
 }
 
@@ -114,7 +114,7 @@ impl<D: Objects, L: EmitterLock> Drive<D, StepAxis<L>> {
 }
 
 impl<D: Objects, L: EmitterLock> Drive<D, ServoAxis<L>> {
-    /// A drive with a servo axis and its emitter. What the step generator of `config` is, decides how finely the path is known: a step is a count of the encoder.
+    /// A drive with a servo axis and its emitter. A step of `config` is a count of the encoder, and its clock is the resolution of times.
     #[inline]
     pub fn servo(config: DriveConfig, emitter: impl FnOnce() -> L) -> Self {
         let ahead = StepAxis::<L>::commit_ahead(config);
@@ -183,9 +183,10 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         self.run(false, (now, inputs), port, exchange)
     }
 
-    /// A tick as soon as a command to stop has come ([`Exchange::calls_early`]): halt, quick stop, disable operation or voltage, a network
-    /// that is lost; or as soon as the host sees that its stage has failed, or frames are lost. It would wait for up to a period; the regular ticks come behind it
-    /// as they would have come. `now` and `inputs` are as for [`Drive::tick`], but the digital inputs are not looked at: their edges are for the regular tick.
+    /// An early tick, so that a stop need not wait for the next control tick: to be called when a command to stop has come
+    /// ([`Exchange::calls_early`]: halt, quick stop, disable operation or voltage, a lost network), or when the board sees that its power
+    /// stage has failed or that frames were lost. The regular ticks follow as they would have without it. `now` and `inputs` are as for
+    /// [`Drive::tick`], but the digital inputs are ignored: their edges are for the regular tick.
     ///
     /// It does what concerns the command and the motor. Everything that goes by the regular ticks is left to these: switches and their
     /// debouncing, the touch probes, data records and set-points of the cyclic modes, the times of the ticks, pulses for a motor

@@ -1,8 +1,8 @@
 //! What passes between the communication task and the control tick.
 //!
 //! Commands and the configuration go one way, actual values the other, each copied whole, so neither side ever sees half of a
-//! change; what has not changed is not copied. The exchange keeps the last three sets of actual values: the answer to a SYNC shows the drive as it was when the SYNC arrived, even if
-//! a control tick ran in between, and an early one before it.
+//! change; what has not changed is not copied. The exchange keeps the last three sets of actual values: the answer to a SYNC shows the
+//! drive as it was when the SYNC arrived, even if an early tick and a control tick ran in between.
 
 mod actuals;
 

@@ -159,8 +159,9 @@ pub(crate) struct Faults {
 }
 
 impl Faults {
-    /// Looks for faults at the start of a tick; `displaced` says that the motor stands at a wrong position, `both_limits` that
-    /// both limit switches are active, `stage` what is measured of the power stage, `found` the fault of the stage or of the product's module. Returns the strongest reaction to those that have just appeared.
+    /// Looks for faults at the start of a tick. `displaced` says that the motor stands at a wrong position, `both_limits` that both limit
+    /// switches are active; `stage` is what is measured of the power stage, `found` the fault of the stage or of the product's module.
+    /// Returns the strongest reaction to the faults that have just appeared.
     pub(crate) fn detect(
         &mut self,
         inputs: &Inputs,

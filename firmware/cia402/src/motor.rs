@@ -137,8 +137,8 @@ impl<A: Actuator> Motor<A> {
         }
     }
 
-    /// Turns the direction round while there is no power; the board's count is `count`. The motor keeps its position, but where home is
-    /// nobody knows any more.
+    /// Turns the direction round while there is no power; the board's count is `count`. The motor keeps its position, but the home position
+    /// is no longer known.
     pub(crate) fn set_reversed(&mut self, is_reversed: bool, count: i64) {
         if is_reversed != self.is_reversed {
             let position = self.position_of(count);
@@ -376,8 +376,8 @@ impl<A: Actuator> Motor<A> {
         }
     }
 
-    /// Where [`Motor::stop`] would end with these ramps. A sin² ramp under way is left as an order with the limits of `leaves` leaves it, for a target
-    /// elsewhere.
+    /// Where [`Motor::stop`] would end with these ramps. With `leaves`, a sin² ramp under way is broken off as a move with these limits to
+    /// another target would break it off.
     #[inline(never)]
     pub(crate) fn stop_preview(
         &self,
@@ -429,7 +429,7 @@ impl<A: Actuator> Motor<A> {
     /// Drops everything that has not been done yet. The board does so at the end of the tick.
     #[inline(never)]
     pub(crate) fn cut_off(&mut self) {
-        // Without current a motor runs on, nobody knows where to.
+        // Without current a motor coasts to an unknown position.
         self.referenced &= self.actuator.standstill();
         self.stopped();
         self.stopping_at_limit = None;

@@ -1,10 +1,14 @@
 //! The motion profile type 6086h: how the velocity changes.
 //!
-//! 0 is the trapezoid; 1 has sin² ramps, as long as those of the trapezoid, if they are built in (cargo feature `sin-squared` of `motion`); 2, the jerk-free ramp of CiA 402-2, is the moving average of the
-//! trapezoid, at the jerk 60A4h:1: it has the same jerk over the whole of a ramp, and the motor is a window of (a + d) / j late. 3 has that
-//! jerk in closed form, so that from rest to rest there is none faster, if it is built in (cargo feature `limited-jerk`); otherwise it is
-//! the same as 2. The profile counts in profile position, profile velocity, the
-//! velocity mode and their halt, from the next set-point or target velocity on. Homing and stops at a limit switch have linear ramps.
+//! | 6086h | ramps |
+//! |---|---|
+//! | 0 | linear: the trapezoid |
+//! | 1 | sin², as long as the linear ones (cargo feature `sin-squared` of `motion`; without it linear) |
+//! | 2 | "jerk-free": the moving average of the trapezoid at the jerk 60A4h:1. The motor comes to rest a window of (a + d) / j later |
+//! | 3 | "jerk-limited": the double-S at the jerk 60A4h:1, the fastest from rest to rest (cargo feature `limited-jerk`; without it as 2) |
+//!
+//! The profile counts in profile position, profile velocity, the velocity mode and their halt, from the next set-point or target velocity
+//! on. Homing and stops at a limit switch have linear ramps.
 //!
 //! A stop on the quick stop ramp (codes 2 to 4 and 6 to 8 of 605Ah, 2 to 4 of 605Dh and 605Eh) is linear too, as it is to be short;
 //! 20A0h = 1 keeps the profile there.

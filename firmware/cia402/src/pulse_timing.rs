@@ -6,8 +6,8 @@
 //! | :2, :3 | shortest time of the step signal being high, and low |
 //! | :4, :5 | from a change of direction to the next pulse, and from the end of a pulse to a change of direction |
 //!
-//! Times are rounded up to ticks of the step clock; what no timer can do is cut, and less than 100 ns of :2 and :3 count as 100 ns. The velocity is limited to 1 / (high + low), and
-//! statusword bit 11 says so. It counts while the motor has no power.
+//! Times are rounded up to ticks of the step clock and cut to what a timer can do; in :2 and :3 less than 100 ns counts as 100 ns. The
+//! velocity is limited to 1 / (high + low), and statusword bit 11 says so. A change takes effect while the motor has no power.
 
 use motion::{Clock, Driver, DriverTiming, Nanoseconds};
 

@@ -204,7 +204,7 @@ impl Axis {
         self.stand_at(self.steps);
     }
 
-    /// The power is off: forgets the motion and stands, with no ramp, at [`Axis::committed_position`], which is returned.
+    /// The power is off: drops the motion and stands, with no ramp, at [`Axis::committed_position`], which is returned.
     ///
     /// The caller clears the sink. If that held records not yet played, the motor is not there: the caller says where it is with
     /// [`Axis::set_position`].

@@ -88,7 +88,7 @@ pub struct PathEnd {
     pub distance: i64,
 }
 
-/// See the module.
+/// What moves the motor: takes demands, and tells position, velocity, torque, standstill and errors; see the module.
 pub trait Actuator: 'static {
     /// The modes that it can do, bits as in 6502h. What else a data sheet offers is not there.
     const MODES: u32;
@@ -101,12 +101,12 @@ pub trait Actuator: 'static {
         None
     }
 
-    /// What may be asked of the motor from now on, and a torque that is given ahead of the loops, in thousandths of the rated one.
+    /// The limits of torque and current from now on, and the torque feed-forward, in thousandths of the rated torque.
     fn set_torque(&mut self, limits: TorqueLimits, ahead: i16) {
         let _ = (limits, ahead);
     }
 
-    /// A velocity that is given ahead of the loops from now on, beside that of the path.
+    /// The velocity feed-forward from now on, added to the velocity of the path.
     fn set_velocity_ahead(&mut self, velocity: SignedSpeed) {
         let _ = velocity;
     }
@@ -180,8 +180,8 @@ pub trait Actuator: 'static {
     /// Slows down to a standstill. On an error, a deceleration that gives no ramp, nothing changes.
     fn stop(&mut self, deceleration: u32, ramps: Ramps) -> Result<(), Refused>;
 
-    /// Where [`Actuator::stop`] would end; where the motor is, if it would be an error. A sin² ramp under way is finished, or left as an order
-    /// with the limits of `leaves` leaves it.
+    /// Where [`Actuator::stop`] would end; where the motor is, if it would be an error. A sin² ramp under way is finished; with
+    /// `leaves`, it is broken off as a move with these limits to another target would break it off.
     fn stop_preview(&self, deceleration: u32, ramps: Ramps, leaves: Option<&Limits>) -> i64;
 
     /// The power is off, or must not move the motor any further: what is not done yet is forgotten.

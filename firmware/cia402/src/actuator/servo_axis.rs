@@ -1,11 +1,12 @@
 //! The servo axis: demands become positions that a loop follows, or a torque.
 //!
-//! Where the motor is to be is planned as for a step axis, by the same axis; its records go to a port that plays them in time and makes no pulse of
-//! them. From the time that is left to play the axis knows where the motor is to be now, finer than a step, with velocity and acceleration, and tells the port at each tick
-//! and refill. While a torque is held the axis is where the rotor is; what comes next begins there, with the velocity of the rotor.
+//! A step axis plans where the motor is to be. Its records go to the port, which plays them for their time and makes no pulses. From the
+//! time that is left to play, the axis knows position, velocity and acceleration of this moment, finer than a step, and gives them to the
+//! port at each tick and refill. While a torque is held, the axis takes over the position of the rotor; the next motion begins there,
+//! with the velocity of the rotor.
 //!
-//! Loops that want to measure the motor are let go where the axis stands and nothing is held. Until they are done the axis is where the rotor is; any demand takes the
-//! motor back, and ends it.
+//! Loops that identify the motor may move it by themselves where the axis stands and no torque is held. Until they are done, the axis
+//! takes over the position of the rotor; any demand ends the measurement.
 //!
 //! Positions at the port are those of the board's encoder. Torques are in µN·m there: thousandths of 6076h, which is in mN·m.
 
@@ -38,7 +39,7 @@ pub enum ServoGoal {
     },
     /// To hold the torque of the order.
     Torque,
-    /// To move the motor as they want to: its data are measured.
+    /// To move the motor by themselves: they identify it.
     Free,
 }
 
@@ -74,7 +75,7 @@ pub struct ServoReport {
     pub current: i32,
     /// A limit of the torque or the current is in the way.
     pub is_limited: bool,
-    /// The loops want to move the motor by themselves, or do so.
+    /// The loops ask to move the motor by themselves, or do so.
     pub wants_free: bool,
 }
 
@@ -99,7 +100,7 @@ pub trait ServoPort: PulseSink {
     /// What was seen last.
     fn report(&self) -> ServoReport;
 
-    /// The records not yet played are none any more.
+    /// Drops the records that have not been played yet.
     fn forget(&mut self);
 }
 
@@ -156,7 +157,7 @@ impl<L: EmitterLock> ServoAxis<L> {
         }
     }
 
-    /// Lets the loops have the motor, or takes it back where it stands.
+    /// Lets the loops move the motor by themselves, or ends that where it stands.
     fn let_go(&mut self, wants_free: bool) {
         if wants_free && self.held.is_none() && self.path.standstill() && self.path.is_at_rest() {
             self.path.cut_off();

@@ -24,7 +24,8 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         Some(inputs.stall == Some(true) || behind.unsigned_abs() >= window)
     }
 
-    /// What may be asked of a motor with a torque, and what is given ahead of its loops, in this tick and the refills behind it. Returns bit 11 of the statusword.
+    /// Sets the limits of torque and current, and the feed-forward, for this tick and the refills behind it. Returns bit 11 of the
+    /// statusword.
     fn limit_torque(&mut self) -> u16 {
         if Self::MODES & TORQUE_MODES == 0 {
             return 0;

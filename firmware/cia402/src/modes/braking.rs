@@ -1,6 +1,6 @@
-//! How far a motor goes while it brakes, and how fast it may be to stop within a distance; on the safe side where the jerk is limited.
+//! The braking distance, and the velocity from which the motor stops within a distance; on the safe side where the jerk is limited.
 //!
-//! A jerk-limited ramp from v takes v/d + j⁻¹·d, over v/2 of that. Where d is not reached it is less than this formula says for any
+//! A jerk-limited ramp from v takes the time v/d + d/j, and covers v/2 times that. Where d is not reached it is less than this formula says for any
 //! d, so d is cut to what keeps the numbers within 64 bits.
 
 use motion::{Limits, Ramps, SignedSpeed, Speed, isqrt, low};
@@ -12,32 +12,32 @@ use crate::travel::Travel;
 /// A ramp on which the motor slows down.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Ramp {
-    /// Those of the motion that it belongs to.
+    /// The limits of the motion that it belongs to.
     pub(super) limits: Limits,
     pub(super) ramps: Ramps,
 }
 
-/// How the motor is to slow down so that an end is not passed.
+/// How the motor is to slow down so that it does not pass the end of the travel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Braking {
     pub(super) ramp: Ramp,
     /// It is not the ramp that was asked for.
     pub(super) is_harder: bool,
-    /// On no ramp that is allowed the motor comes to rest before the end.
+    /// The motor passes the end even on the hardest ramp that is allowed.
     pub(super) passes: bool,
     /// The hardest ramp that is allowed, in steps/s²; 0 where none is needed.
     hardest: u32,
 }
 
 impl Braking {
-    /// Tells the motor, which has its motion now, the hardest ramp on which it may end. Later motions brake no harder because of this one.
+    /// Tells the motor the hardest ramp on which its new motion may end. It does not count for later motions.
     pub(super) const fn taken(self, motor: &mut Motor<impl Actuator>) {
         if self.hardest > 0 {
             motor.set_hardest(self.hardest);
         }
     }
 
-    /// This, after another that gave the ramp for it.
+    /// This, with the hardest ramp of `other` if that is harder: `other` has chosen the ramp that this one was asked with.
     pub(super) fn after(self, other: Self) -> Self {
         Self {
             hardest: self.hardest.max(other.hardest),

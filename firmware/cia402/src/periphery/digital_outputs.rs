@@ -1,12 +1,12 @@
 //! The digital outputs: object 60FEh, and functions of the drive (2060h).
 //!
-//! An output is set by the master (function 0), or shows something of the drive. Of 60FEh:1 only the bits count that the mask 60FEh:2
-//! has; an output whose bit is not in the mask stays as it is. Bits 16 to 19 are outputs 1 to 4. Bit 0 is the holding brake (1 closes it). It belongs to the
-//! state machine, and 60FEh has no say in it unless 2063h is 1: then bit 0 decides while it is in the mask and the network commands the
-//! drive, so that an axis can be moved by hand.
+//! An output is set by the master (function 0), or shows something of the drive. Only the bits of 60FEh:1 in the
+//! mask 60FEh:2 count; an output whose bit is not in the mask stays as it is. Bits 16 to 19 are outputs 1 to 4. Bit 0 is the holding brake
+//! (1 closes it). The state machine moves the brake, and bit 0 is ignored unless 2063h is 1: then bit 0 decides while it is in the mask
+//! and the network commands the drive, so that an axis can be moved by hand.
 //!
-//! When the network is lost, outputs set by the master go to rest, but for those in 2062h, which stay as they are. They stay so
-//! until 60FEh is written again: what was asked for before does not come back by itself. NMT reset node takes all of them to rest. Outputs with a function go on showing it.
+//! When the network is lost, outputs set by the master are switched off, but for those in 2062h, which stay as they are. They stay so
+//! until 60FEh is written again. NMT reset node switches all of them off. Outputs with a function go on showing it.
 //!
 //! 2061h inverts outputs: an inverted one is low where it would be high. After power-on, and while the processor is reset, all are low.
 

@@ -72,8 +72,8 @@ impl Draft {
         Ok(())
     }
 
-    /// Plans a move that begins and ends with a speed which the motor takes and loses at once: a start speed. From motion away from the target, or where
-    /// the distance is too short to slow down to it, it is a move without one; so is one along a mean.
+    /// Plans a move with a start speed: the motor takes that speed at once from rest, and stops from it at once at the target. A motion away
+    /// from the target, or with too short a distance to slow down to the start speed, is planned without one; so is one along a mean.
     ///
     /// # Errors
     /// [`PlanError`]; the draft is as it was.
@@ -110,9 +110,9 @@ impl Draft {
         Ok(())
     }
 
-    /// Where the axis would come to rest, in whole steps, if it were told now to stop at `deceleration` steps/s² with these ramps. A sin² ramp under
-    /// way is finished if a stop is no harder than that; it is left as an order with the limits of `leaves` leaves it, for a target elsewhere. The draft
-    /// is used up.
+    /// Where the axis would come to rest, in whole steps, if it were told now to stop at `deceleration` steps/s² with these ramps. A sin² ramp
+    /// under way is finished if the stop is no harder than it. With `leaves`, it is broken off as a move with these limits to another target
+    /// would break it off. The draft is used up.
     ///
     /// # Errors
     /// As [`Axis::stop`].

@@ -77,8 +77,8 @@ pub(super) fn scaled(number: u64, by: u64) -> u64 {
         .wrapping_add(low.wrapping_mul(by) >> 32)
 }
 
-/// Whether the motor can still stop within `available` after a distance in a period, for certain: s² ≤ 2g·(available − s). False where it cannot,
-/// and for distances so long that it is not looked at.
+/// Whether the motor can certainly stop within `available` after the distance s in a period: s² ≤ 2g·(available − s). False where it
+/// cannot, and for distances too long to compute it.
 pub(super) fn may_brake_behind(distance: u64, available: i64, gain: i64) -> bool {
     let (available, gain) = (available.max(0).unsigned_abs(), gain.max(1).unsigned_abs());
     let is_short = u32::try_from(distance).is_ok();
