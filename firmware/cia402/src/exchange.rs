@@ -34,7 +34,7 @@ pub struct Waiting {
     pub records: usize,
     /// So many sync events.
     pub sync_events: usize,
-    /// The state that was published last has been seen on the bus, or nobody looks.
+    /// A transmit PDO has shown the state that was published last, or none can.
     pub is_seen: bool,
     /// The commands ask for something else than those of the tick before, and not only with other numbers.
     pub has_orders: bool,
@@ -62,15 +62,17 @@ pub struct Exchange {
     taken: u32,
     /// The count that the newest actual values answer.
     answered: u32,
-    /// An edge of bit 4 is on its way to a tick, or the tick that took it has not published yet.
+    /// An edge of bit 4 was posted, and no tick has taken it yet.
     start_posted: bool,
+    /// A tick has taken an edge of bit 4, and has not published yet.
     start_taken: bool,
-    /// Masters may see the state in a transmit PDO; and the one that was published last has been seen, or cannot be.
+    /// A transmit PDO has the statusword, so that masters may see the state.
     is_watched: bool,
+    /// A transmit PDO has shown the state that was published last, or none can.
     is_seen: bool,
     /// A command to stop came, and no tick has taken it yet.
     is_urgent: bool,
-    /// So has another command, or one to stop.
+    /// A command, to stop or another one, came, and no tick has taken it yet.
     has_orders: bool,
     /// The last tick was an early one.
     was_early: bool,
@@ -84,7 +86,7 @@ pub struct Exchange {
     lost_notices: u32,
     latched: Latched,
     readings: Readings,
-    /// One of these two has not been taken yet.
+    /// `latched` or `readings` has not been taken yet.
     has_news: bool,
     /// For the scope, what no tick has taken yet.
     orders: Option<Orders>,

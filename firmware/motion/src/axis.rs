@@ -96,9 +96,9 @@ pub struct Axis {
     ramps: Ramps,
     /// The jerk for which the window of the mean was chosen, or that of harder ramps since, in steps/s³.
     mean_jerk: u32,
-    /// The acceleration of the last order that had one, in steps/s²: it may come behind a stop.
+    /// The acceleration of the last order that had one, in steps/s²: the motion behind a stop is expected to have it.
     acceleration: u32,
-    /// What the last distance at a velocity that is followed had beyond 2⁻³² steps, in 2⁻⁵⁶ of them.
+    /// The remainder below 2⁻³² steps of the last distance of [`Axis::follow_velocity`], in units of 2⁻⁵⁶ steps.
     carry: u32,
     trace: Trace,
     plan: Plan,
@@ -268,8 +268,8 @@ impl Axis {
         self.demand_of(self.trace.at(played))
     }
 
-    /// Something else has moved the motor: it is here, in whole steps (modulo 2³²), and the axis goes on with the velocity that it has. A motion is forgotten
-    /// as by [`Axis::abort`].
+    /// Something else has moved the motor: takes over its position in whole steps (modulo 2³²) and its velocity, which the axis keeps. A
+    /// motion is forgotten as by [`Axis::abort`].
     pub fn take_up(&mut self, steps: i64, velocity: SignedSpeed) {
         self.set_position(steps);
         let horizon = self.horizon();
@@ -348,7 +348,7 @@ impl Axis {
         hz.map_or(Speed::ZERO, Speed::per_second)
     }
 
-    /// What it goes on with if it follows the mean of a plan; `None` if it does not.
+    /// The mean that it follows from the commit horizon on; `None` if it follows none.
     pub fn mean(&self) -> Option<Mean> {
         self.is_averaged
             .then(|| Mean::new(self.average.clone(), self.plan.clone()))

@@ -131,7 +131,7 @@ impl Velocity {
     }
 }
 
-/// A number with 96 bits behind the point, modulo 2³²: the span of a position. What is no position is less than that.
+/// A number with 96 bits behind the point, modulo 2³², as positions are. Velocities and accelerations are far below 2³².
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Q96(pub(crate) i128);
 
@@ -249,7 +249,7 @@ impl Exact {
         Position::from_bits(Q96(self.position).floor())
     }
 
-    /// How many ticks ago this state was in the middle in front of the step at `steps` (modulo 2³²), at the velocity of now. 0 at rest.
+    /// How many ticks ago this state crossed the middle before the whole step `steps` (modulo 2³²), at its present velocity. 0 at rest.
     pub(crate) fn since_middle(self, steps: i32) -> u128 {
         let distance = self
             .position

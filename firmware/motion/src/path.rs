@@ -40,7 +40,7 @@ impl core::error::Error for FollowError {}
 pub(crate) enum Interpolation {
     /// In a straight line.
     Linear,
-    /// In a straight line at this velocity, which leads there but for what positions cannot tell.
+    /// In a straight line at this velocity, which leads there to within the resolution of positions.
     Steady(Velocity),
     /// On a cubic that ends with this velocity.
     Cubic(Velocity),
@@ -55,7 +55,7 @@ struct PathSegment {
     polynomial: Polynomial,
     /// The set-point at its end.
     to: State,
-    /// The velocity of a straight line is its distance over its length, and no other one.
+    /// The velocity of a straight line is its distance over its time, and was not given.
     is_mean: bool,
 }
 
@@ -84,7 +84,7 @@ impl PathSegment {
         }
     }
 
-    /// The same behind another segment. As long and as far as that it is as fast, and there is nothing to divide.
+    /// The same behind another segment. If time and distance are those of the other one, so is the velocity, and no division is needed.
     fn straight(
         start: Ticks,
         length: u32,
@@ -113,7 +113,7 @@ impl PathSegment {
         self.length == length && self.to.position.bits().wrapping_sub(from) == distance
     }
 
-    /// The velocity is not worked out: rounded distances would make it another one, and in each segment.
+    /// At a given velocity: one computed from rounded distances would differ from segment to segment.
     const fn steady(
         start: Ticks,
         length: u32,
@@ -157,7 +157,7 @@ impl PathSegment {
     }
 }
 
-/// Whole and broken steps in the resolution of plans.
+/// A position in the resolution of plans.
 const fn exact(position: Position) -> i128 {
     (position.bits() as i128) << 64
 }
@@ -171,7 +171,7 @@ fn rate(distance: i64, length: u32) -> i128 {
 /// The set-points that are known.
 #[derive(Debug, Clone)]
 pub(crate) struct Path {
-    /// Kept round and round.
+    /// A ring.
     segments: [PathSegment; MOST_SEGMENTS],
     /// The place of the first segment, and how many there are: at least one.
     first: u8,

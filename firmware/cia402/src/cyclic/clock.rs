@@ -60,20 +60,20 @@ pub(crate) struct NetworkClock {
     /// SYNCs since the last slot.
     since: u32,
     spacing: Spacing,
-    /// A set-point that waits for its slot.
+    /// A set-point that came before its slot.
     early: Option<SyncEvent>,
-    /// There is a mode that goes by the slots. Without one they pass, and nothing is in them.
+    /// A mode uses the slots. Without one they pass empty.
     is_used: bool,
 }
 
 /// How far apart set-points are, in SYNCs.
 #[derive(Debug)]
 struct Spacing {
-    /// Since the last set-point.
+    /// SYNCs since the last set-point.
     since: u32,
-    /// Between the last two.
+    /// SYNCs between the last two set-points.
     apart: u32,
-    /// So many times in a row before.
+    /// How often in a row that distance was the same before.
     alike: u8,
 }
 

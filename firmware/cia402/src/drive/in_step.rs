@@ -1,4 +1,4 @@
-//! What a drive keeps of the sync events from tick to tick.
+//! Sync events, slots and the times of the control ticks, from tick to tick.
 
 use canopen::{Duration, Instant};
 
@@ -15,7 +15,7 @@ use crate::mode::Mode;
 #[derive(Debug)]
 pub(crate) struct Cyclic {
     clock: NetworkClock,
-    /// Of the data records, where there is no SYNC.
+    /// The clock of the data records, where there is no SYNC.
     record_clock: RecordClock,
     schedule: Schedule,
     pub(crate) pipeline: Pipeline,
@@ -26,10 +26,11 @@ pub(crate) struct Cyclic {
     pub(crate) set_points_lost: bool,
     /// How often that was.
     pub(crate) lost: u32,
-    /// What the clock of the network shows, and whether SYNC comes with another period than is set up. Worked out when something has
-    /// come, or has not come in time.
+    /// The status of the network clock (2050h).
     shown: SyncStatus,
+    /// SYNC comes with another period than is set up.
     differs: bool,
+    /// The two fields above are to be computed again: a sync event has come, or is missing.
     is_new: bool,
 }
 

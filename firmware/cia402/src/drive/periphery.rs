@@ -1,4 +1,4 @@
-//! The drive and what is at it beside the motor's motion: what each part of the periphery is told of the drive, and what comes of it.
+//! The periphery in a tick: what each part of it is given from the drive, and what the drive takes from it.
 
 use canopen::Instant;
 

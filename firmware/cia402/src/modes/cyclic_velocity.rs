@@ -31,12 +31,12 @@ pub(super) struct CyclicVelocity {
     /// A software limit or a limit switch is in the way.
     is_blocked: bool,
     is_held: bool,
-    /// What is asked for.
+    /// The velocity that the set-point asks for.
     velocity: SignedSpeed,
-    /// What is carried out.
+    /// The velocity that is carried out, within all limits.
     carried_out: SignedSpeed,
     bridged: u8,
-    /// No set-point has come, and the motor goes on with what the mode before was after.
+    /// No set-point has come yet, and the motor goes on with the motion of the mode before.
     goes_on: bool,
     /// The velocity that it is to keep meanwhile.
     kept: Option<SignedSpeed>,

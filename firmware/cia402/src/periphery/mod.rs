@@ -1,4 +1,4 @@
-//! What is at the drive beside the motor's motion: touch probes, digital outputs, the analogue input, the current of the motor, and
+//! The periphery of the drive, beside the motion of the motor: touch probes, digital outputs, the analogue input, the current of the motor, and
 //! what is measured of the power stage.
 //!
 //! Each part looks at a control tick for itself and decides nothing about states or motion; the drive asks it what it has found. What

@@ -1,4 +1,4 @@
-//! From pulses counted to a position: the counter only counts up, and which way each pulse went is known.
+//! The position from counted pulses: the counter only counts up, and the direction of each pulse is known.
 
 use heapless::Deque;
 
@@ -9,7 +9,7 @@ use crate::low;
 /// Changes of direction that are remembered, those still to come included.
 const MARKS: usize = 16;
 
-/// The pulses that a mark may lie behind before it is moved on: less than half of what 32 bits tell apart.
+/// A mark that is more pulses behind than this is moved on: differences of counts must stay below 2³¹.
 const FAR: i32 = 1 << 24;
 
 /// From this pulse on, pulses go this way.
@@ -44,7 +44,7 @@ pub(super) struct PulseCount {
     /// What holds before the first mark that is kept.
     first: Mark,
     later: Deque<Mark, MARKS>,
-    /// That of the last mark.
+    /// The direction of the last mark.
     direction: Direction,
 }
 

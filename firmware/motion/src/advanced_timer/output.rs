@@ -28,7 +28,7 @@ const LEAD_IN: u32 = 1 << 12;
 /// Ticks after which a burst has surely come to its end, wherever it was.
 const TWO_BURSTS: u32 = 2 * SHORTEST_RECORD;
 
-/// Looks at a clock or a register that change in less time.
+/// The most polls of a clock or a register: either changes in less time.
 const MOST_POLLS: u32 = 200;
 
 /// Ticks after which the DMA has surely come to another slot of a train: the longest run has 65,535.
@@ -48,15 +48,17 @@ pub struct Output<'a, R> {
     failed: bool,
     /// The level of the direction signal in the slots that are silent.
     level: u32,
-    /// Since the start of the train: slots written, and fetched by the DMA and made silent again.
+    /// Slots written since the start of the train.
     written: u32,
+    /// Slots fetched by the DMA since the start of the train, and made silent again.
     fetched: u32,
-    /// When it was seen last that the DMA had come to another slot.
+    /// When the DMA was last seen to have come to another slot.
     moved: u32,
-    /// When the DMA fetches the next slot to be written, and when all that was taken has been played, by the free-running count; and the
-    /// ticks of the last slot written.
+    /// When the DMA fetches the next slot to be written, by the free-running count.
     request: u32,
+    /// When all records taken have been played, by the free-running count.
     end: u32,
+    /// The ticks of the last slot written.
     last: u32,
     /// What is left of a record that was taken.
     remainder: Remainder,
@@ -349,8 +351,8 @@ impl<'a, R: Registers> Output<'a, R> {
         }
     }
 
-    /// TIM1 anew. Its outputs are not driven for a moment, so this is for what cannot be helped otherwise. A break stays one; it is only unseen if
-    /// it comes and goes in between the two writes behind the reset, while nothing is driven.
+    /// Resets TIM1 and sets it up again. Its outputs are not driven for a moment, so this is the last resort. A break stays active; it goes
+    /// unseen only if it comes and ends between the two writes behind the reset, while nothing is driven.
     #[cold]
     fn reset(&mut self) {
         self.registers.write(Register::Dier, 0);

@@ -1,12 +1,12 @@
-//! The mean of a plan as a row of curves, for whoever looks ahead.
+//! The mean of a plan as a sequence of phases, for a look ahead.
 
 use super::Average;
 use crate::clock::Ticks;
 use crate::plan::Plan;
 use crate::plan::phase::Phase;
 
-/// The mean of a plan from somewhere on, one curve after the other: what an axis with [`Ramps::MovingAverage`](crate::Ramps) follows if it is
-/// told nothing else. Behind the last one it stands, or keeps its velocity for ever.
+/// The mean of a plan from a tick on, phase by phase: what an axis with [`Ramps::MovingAverage`](crate::Ramps) follows if no other order
+/// comes. Behind the last phase it stands, or keeps its velocity.
 #[derive(Debug, Clone)]
 pub struct Mean {
     average: Average,

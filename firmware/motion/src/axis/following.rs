@@ -78,7 +78,7 @@ impl Axis {
         })
     }
 
-    /// Whether what is gone to next begins at the commit horizon, and that is beyond this tick.
+    /// Whether the next path segment would begin at the commit horizon (and not at the last set-point), and that is beyond this tick.
     pub fn begins_beyond(&self, tick: Ticks) -> bool {
         let horizon = self.horizon();
         let is_ahead = |path: &Path| path.end().0 >= horizon;
@@ -90,7 +90,7 @@ impl Axis {
         self.demand_of(self.path_end().1)
     }
 
-    /// Where the next set-point is gone to from, and at which tick: the last set-point, or the commit horizon if that is later.
+    /// Where the next path segment begins, and at which tick: at the last set-point, or at the commit horizon if that is later.
     pub fn path_end(&self) -> (Ticks, State) {
         match &self.path {
             Some(path) if path.end().0 >= self.horizon() => path.end(),

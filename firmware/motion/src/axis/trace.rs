@@ -23,10 +23,11 @@ const NOWHERE: Point = (
 #[derive(Debug, Clone)]
 pub(super) struct Trace {
     points: [Point; POINTS],
-    /// The place of the newest, counted round and round.
+    /// The index of the newest point; counts on beyond the ring.
     newest: u32,
-    /// How far the newest is from the one before, in ticks, and when it was, modulo 2³².
+    /// From the point before the newest to the newest, in ticks.
     gap: u32,
+    /// The tick of the newest point, modulo 2³².
     at: u32,
 }
 

@@ -13,10 +13,10 @@ use crate::fixed::Exact;
 pub(super) struct Origin {
     /// The first tick of the plan.
     pub(super) start: Ticks,
-    /// How the plan begins before anything new: the end of a ramp, or what brings its acceleration to zero. In the frame of the axis, but its
-    /// positions count from where it ends.
+    /// The lead: the end of a ramp under way, or the piece that brings its acceleration to zero. Its positions have the direction of the
+    /// axis, and count from where it ends.
     pub(super) lead: Option<Piece>,
-    /// The position there, Q96 steps, if the goal is one to pass.
+    /// The position at the start, Q96 steps: of use for a goal that is passed.
     pub(super) begin: i128,
     /// When the lead ends, and where; without one, at the start.
     pub(super) end: Instant,
@@ -57,7 +57,7 @@ pub(super) struct PlanBuilder<'a> {
     tick: Ticks,
     pub(super) travelled: i128,
     is_sine: bool,
-    /// Pieces that stay; one behind them is written over.
+    /// Pieces that are complete; the next one is written behind them.
     count: usize,
     /// A piece had no room.
     is_full: bool,

@@ -1,6 +1,6 @@
 //! How a smooth motion leaves a ramp that is under way.
 //!
-//! Where the new motion would finish the ramp anyway, it begins with that. Otherwise the acceleration is brought to zero in one cubic
+//! Where the new motion would finish the ramp anyway, it begins with the end of the ramp. Otherwise the acceleration is brought to zero in one cubic
 //! piece, at the jerk with which the ramp began, or at that of the new limits if these are harder. Either way the new ramps begin with no
 //! acceleration.
 
@@ -21,15 +21,16 @@ use core::cmp::Ordering;
 pub(crate) struct InitialState {
     pub(crate) tick: Ticks,
     pub(crate) from: Exact,
-    /// The acceleration, Q96 steps per tick², which linear ramps do not care for; and a sixth of the jerk, Q128 steps per tick³, at which it is brought
-    /// to zero: no less than that with which it came about, or the velocity would go on beyond its limit.
+    /// The acceleration, Q96 steps per tick². Linear ramps ignore it.
     pub(crate) acceleration: i128,
+    /// A sixth of the jerk at which the acceleration is brought to zero, Q128 steps per tick³: no less than the jerk that has built it up,
+    /// or the velocity would go on beyond its limit.
     pub(crate) sixth_jerk: Uq128,
-    /// What it was planned for, if its ramps are smooth.
+    /// The goal, limits and ramps that it was planned for, if its ramps are smooth.
     pub(super) order: Option<Order>,
     /// A sin² ramp that is under way and may be finished, in the frame of the axis.
     pub(super) ramp: Option<Piece>,
-    /// It is left all the same.
+    /// That ramp is broken off, even if the new motion could finish it.
     pub(super) leaves_ramp: bool,
 }
 
@@ -47,7 +48,7 @@ impl InitialState {
         }
     }
 
-    /// Whether it is planned for that already.
+    /// Whether it was planned for this goal already.
     pub(crate) fn is_for(&self, goal: Goal, limits: Limits, ramps: Ramps) -> bool {
         self.order == Some((goal, limits, ramps))
     }
@@ -58,7 +59,7 @@ impl InitialState {
         self
     }
 
-    /// Takes a speed at once, Q96 steps per tick, towards the target: from rest, or from less on the way there.
+    /// Begins with a speed towards the target, Q96 steps per tick, at once: from rest, or from a lower speed in that direction.
     pub(crate) fn jump(&mut self, speed: Uq96, target_steps: i64) {
         let is_steady = self.acceleration == 0 && self.ramp.is_none();
         let Some((gap, is_back)) = distance_to(target_steps, self.from).filter(|_| is_steady)
@@ -73,7 +74,7 @@ impl InitialState {
         }
     }
 
-    /// No ramp that is under way is finished.
+    /// Breaks off a ramp that is under way, even if the new motion could finish it.
     pub(crate) const fn leave_ramp(&mut self) {
         self.leaves_ramp = true;
     }
@@ -95,7 +96,7 @@ impl InitialState {
         }
     }
 
-    /// A sixth of the jerk of the acceleration that it has.
+    /// A sixth of the jerk at which its acceleration is brought to zero.
     pub(super) fn sixth_jerk(&self) -> Uq128 {
         match &self.ramp {
             Some(ramp) if self.acceleration != 0 => ramp.sixth_jerk(),
@@ -179,8 +180,8 @@ impl InitialState {
         true
     }
 
-    /// If these limits are harder than those so far, a sixth of the jerk of their ramps from rest to the profile velocity, or from the velocity of
-    /// now if that is higher: a quick stop must not last as long as the gentle ramp that it ends.
+    /// If these limits are harder than the present ones, a sixth of the jerk of a ramp within them between rest and the profile velocity,
+    /// or the present velocity if that is higher; otherwise 0. So a quick stop does not last as long as the gentle ramp that it ends.
     fn harder_jerk(&self, clock: Clock, limits: Limits) -> Uq128 {
         let hardest = |limits: Limits| limits.acceleration.max(limits.deceleration);
         if !matches!(self.order, Some((_, before, _)) if hardest(limits) > hardest(before)) {

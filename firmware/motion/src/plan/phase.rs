@@ -147,7 +147,7 @@ impl Phase {
         self.sixth_jerk == 0
     }
 
-    /// Whether its velocity stays.
+    /// Whether its velocity is constant.
     pub(crate) const fn is_line(&self) -> bool {
         self.is_parabola() && self.half_acceleration == 0
     }

@@ -13,7 +13,7 @@ use crate::low;
 /// A time in ticks, Q32: corners fall between ticks.
 pub(crate) type TicksQ32 = u128;
 
-/// When that is: ticks as the axis counts them, Q32; 96 bits. What is later than ticks can count is never.
+/// A moment in the axis' time: ticks, Q32, in 96 bits; saturates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Instant(u128);
 
@@ -60,11 +60,12 @@ impl Instant {
     }
 }
 
-/// From where a plan counts: its positions from an origin, positive in the direction of the motion; its times from a tick.
+/// The frame of a plan: its positions count from an origin, positive in the direction of the motion.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Frame {
+    /// The first tick of the plan.
     pub(super) start: Ticks,
-    /// Q96 steps.
+    /// The position of the origin, Q96 steps.
     pub(super) origin: i128,
     /// The motion goes backwards.
     pub(super) reverse: bool,
@@ -146,7 +147,7 @@ impl Piece {
         }
     }
 
-    /// Whether its velocity stays.
+    /// Whether its velocity is constant.
     pub(super) const fn is_line(&self) -> bool {
         matches!(self.shape, Shape::Cubic(0)) && self.half_acceleration == 0
     }

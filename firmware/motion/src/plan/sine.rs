@@ -50,7 +50,7 @@ const BETWEEN: u64 = 9_224_066_592_104_769_579;
 
 const HALF: u64 = 1 << 63;
 
-/// Shorter ramps, Q32 ticks, are linear: nobody can tell, and their jerk need not be represented.
+/// Shorter ramps, Q32 ticks, are linear: the difference is below a step, and their jerk may be too large for its number.
 pub(super) const SHORTEST: TicksQ32 = 8 << 32;
 
 /// How a ramp is divided, and what follows from that.
@@ -214,8 +214,9 @@ fn sine(k: u32) -> u64 {
     }
 }
 
-/// A sixth of the jerk, Q128 steps per tick³, at which a ramp is left that takes `time`: 5.06·Δv/T², to some 30 bits. It begins and ends with 4.97
-/// at most. With as much its acceleration is at zero before its velocity is at the end.
+/// A sixth of the jerk, Q128 steps per tick³, at which a ramp of duration `time` is broken off. The jerk is 5.06·Δv/T², to some 30 bits;
+/// the ramp itself begins and ends with 4.97·Δv/T² at most. So the acceleration is at zero before the velocity passes the end of the
+/// ramp.
 pub(super) fn jerk(half_acceleration: i128, time: TicksQ32) -> Uq128 {
     let (number, above) = leading((half_acceleration.unsigned_abs() * 27) >> 4);
     let (divisor, below) = leading(time);
@@ -224,7 +225,7 @@ pub(super) fn jerk(half_acceleration: i128, time: TicksQ32) -> Uq128 {
     (jerk >> below).max(1)
 }
 
-/// The leading 32 bits, and how many there are below; a number of fewer bits is all there is.
+/// The leading 32 bits, and the number of bits below them; a number of 32 bits or fewer as a whole.
 fn leading(value: u128) -> (u32, u32) {
     let below = 96u32.saturating_sub(value.leading_zeros());
     let lead = low::u32(low::u64(value >> below));
@@ -249,8 +250,8 @@ pub(super) fn jerk_of(half_acceleration: Uq96, change: Uq96) -> Uq128 {
         .max(1)
 }
 
-/// The piece at tick `t` of a ramp that takes `time`, which is at least [`SHORTEST`], a sixth of its jerk, and the first tick behind it. `ramp` is anchored
-/// at the end from which t lies in the direction of time, and has half of the acceleration of the linear ramp.
+/// The cubic piece at tick `t` of a sin² ramp that takes `time`, at least [`SHORTEST`]; with a sixth of its jerk, and the first tick behind
+/// it. `ramp` is anchored at either end of the sin² ramp, and has half of the acceleration of the linear ramp in its place.
 #[inline(never)]
 pub(super) fn piece(ramp: &Piece, time: TicksQ32, t: Ticks) -> (Piece, i128, Ticks) {
     let half = ramp.half_acceleration;

@@ -40,7 +40,7 @@ pub struct Shared {
     origin: AtomicU32,
     /// While not running: ticks of all periods that were played or dropped; wraps.
     played: AtomicU32,
-    /// The interrupt comes back by itself. It is set after `origin` and cleared after `played`.
+    /// A train is being played, so that the interrupt comes by itself. It is set after `origin` and cleared after `played`.
     running: AtomicBool,
     /// Everything that waits is to be dropped.
     drop: AtomicBool,

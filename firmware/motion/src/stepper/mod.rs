@@ -1,12 +1,12 @@
 //! The stepper: from polynomials of a trajectory to pulses.
 //!
-//! Whatever the motion is, a ramp, a mean or a path, it comes as polynomials of degree 3 at most, and here is the one way from these to records. The
-//! stepper advances on its polynomial by *chords*: by some ticks each, in integers and without rounding, counts the steps between, and finds the
-//! ticks of the first pulse and of the last one. In between they are evenly spaced.
+//! Every motion, a ramp, a mean or a path, comes as polynomials of degree 3 at most; the stepper alone makes records of these. It advances
+//! along its polynomial by *chords* of some ticks each, in integers and without rounding, counts the steps in a chord, and finds the ticks
+//! of its first and its last pulse. Between these the pulses are evenly spaced.
 //!
-//! Where pulses are many, a tick is found from the velocity there, by one division of 32 bits, and a chord goes on with the period of
-//! the one before. Where they are few, the position counts as a straight line over the chord, which is short enough for that to be true within
-//! a quarter of a step. Where a tick covers less than 2⁻³² steps, it is found from all bits of the position.
+//! At a high pulse rate a pulse's tick is found from the velocity there, by one division of 32 bits, and a chord goes on with the period
+//! of the one before. At a low rate the position counts as a straight line over the chord, which is short enough for that to be right
+//! within a quarter of a step. Where a tick covers less than 2⁻³² steps, a pulse's tick is found from all bits of the position.
 
 pub(crate) mod polynomial;
 mod train;
@@ -25,7 +25,7 @@ pub(crate) const CHORDS_PER_SEGMENT: u32 = 32;
 /// Pulses of a chord at most: in three runs they are off by an eighth of that in ticks.
 const MOST_PULSES: u32 = 8 * CROWDED;
 
-/// A period is shorter than so many parts of the longest chord: within one the velocity may be taken for constant.
+/// The pulse rate counts as high where so many periods or more are in the longest chord: within one the velocity counts as constant.
 const PERIODS_PER_CHORD: u32 = 16;
 
 /// From this velocity on, Q32 steps per tick, the ticks of a part of a period are a division by 32 bits, to within a tick.
@@ -38,19 +38,23 @@ pub(crate) struct Stepper {
     horizon: Ticks,
     /// The motion from there on.
     polynomial: Polynomial,
-    /// Of the polynomial: the longest chord in ticks, and from which velocity on pulses are many, Q32 steps per tick.
+    /// The longest chord of the polynomial, in ticks.
     reach: u32,
+    /// From this velocity on the pulse rate counts as high, Q32 steps per tick.
     fast: u32,
-    /// Whether its velocity stays: then what comes next is worked out once.
+    /// Whether the velocity of the polynomial is constant: then `most`, `beyond` and `spare` are computed once.
     is_line: bool,
-    /// At its velocity: the longest chord, how far it should lead beyond what is wanted, and may be longer than the longest for that.
+    /// The longest chord at the present velocity, in ticks.
     most: u32,
+    /// How far a chord should lead beyond the tick that is wanted.
     beyond: u32,
+    /// By how much a chord may be longer than `most` for that.
     spare: u32,
-    /// The longest chord of all, the velocity up to which it may be so long, Q32 steps per tick,
-    /// and the shortest of curved polynomials.
+    /// The longest chord of all, in ticks.
     longest: u32,
+    /// The velocity up to which a chord may be so long, Q32 steps per tick.
     longest_up_to: u32,
+    /// The longest chord of a polynomial is no shorter than this, however curved it is.
     least: u32,
     train: Train,
 }
@@ -191,7 +195,7 @@ impl Stepper {
         }
     }
 
-    /// Makes the records of a chord: such a one that they lead up to tick `enough`, if one chord can do that. No chord where the one before leads there.
+    /// Makes the records of a chord that leads up to tick `enough`, if one chord can do that; of none where the records lead there already.
     ///
     /// `enough` is near what was committed, so its low 32 bits tell which tick it is.
     pub(crate) fn emit(&mut self, enough: u32) {
@@ -257,7 +261,7 @@ impl Stepper {
         u32::try_from(left).map_or(length, |left| left.min(length))
     }
 
-    /// How far a chord may lead at this velocity, and should.
+    /// Computes how long a chord may be at this velocity, and how far it should lead.
     #[inline]
     fn look_ahead(&mut self, rate: u32) {
         self.most = if rate <= self.longest_up_to {
@@ -285,8 +289,8 @@ impl Stepper {
         self.reach.min(low::u32(most)).max(self.least)
     }
 
-    /// Makes the pulses of a chord whatever the one before was: from a position, so many ticks behind `begin`, to where the polynomial is now. The velocity at both ends
-    /// tells where the first and the last of them are, if that at the beginning is given.
+    /// Makes the pulses of a chord whatever the one before was: of `length` ticks from `begin` on, from position `from` to where the
+    /// polynomial is now. If the velocity at its beginning is given, those at both ends tell the ticks of the first and the last pulse.
     #[inline(never)]
     fn chord(&mut self, begin: Ticks, (from, length): (i64, u32), first_rate: Option<u32>) {
         let to = self.polynomial.position.floor();
@@ -348,7 +352,7 @@ impl Stepper {
     }
 }
 
-/// How fast a polynomial is where it has come to, either way, Q32 steps per tick; `u32::MAX` if it is faster than there are pulses.
+/// The speed of a polynomial at its present tick, Q32 steps per tick; `u32::MAX` if it is above every pulse rate.
 #[inline]
 fn speed(polynomial: &Polynomial) -> u32 {
     let velocity = polynomial.velocity.floor();

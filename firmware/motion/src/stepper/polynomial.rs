@@ -1,7 +1,7 @@
-//! What every trajectory comes as: polynomials of degree 3 at most, one behind the other, along which the stepper advances.
+//! A polynomial of degree 3 at most: a part of a trajectory, along which the stepper advances.
 //!
-//! Position, velocity, half of the acceleration and a sixth of the jerk are those at one tick; to go on by n ticks is to move all of them there. Lines
-//! and parabolas are advanced without rounding. What a cubic rounds is less than 2⁻³⁰ steps in a minute.
+//! Position, velocity, half of the acceleration and a sixth of the jerk are those at one tick; to advance by n ticks is to compute all of
+//! them for the later tick. Lines and parabolas are advanced without rounding. The rounding of a cubic is less than 2⁻³⁰ steps in a minute.
 
 use crate::clock::Ticks;
 use crate::divide::div_rem;
@@ -31,7 +31,7 @@ impl Polynomial {
         },
     );
 
-    /// At the velocity that it begins with.
+    /// A line: at the velocity that it begins with.
     pub(crate) const fn line(end: Ticks, from: Exact) -> Self {
         Self {
             end,
@@ -59,19 +59,19 @@ impl Polynomial {
         }
     }
 
-    /// Whether its velocity stays.
+    /// Whether its velocity is constant.
     #[inline]
     pub(crate) const fn is_line(&self) -> bool {
         self.half.0 == 0 && self.sixth.0 == 0
     }
 
-    /// Goes on by so many ticks, if its velocity stays.
+    /// Advances by so many ticks, if its velocity is constant.
     #[inline]
     pub(crate) fn advance_line_by(&mut self, ticks: u32) {
         self.position = self.position.plus(self.velocity.times(ticks));
     }
 
-    /// Goes on by so many ticks.
+    /// Advances by so many ticks.
     pub(crate) fn advance_by(&mut self, ticks: u32) {
         let mut half = self.half;
         let mut growth = Q96::ZERO;
@@ -102,7 +102,8 @@ impl Polynomial {
         }
     }
 
-    /// The longest chord, a power of two in ticks, that stays within a quarter of a step of it from tick `begin`, where it is, up to its end: ½a·len²/4 ≤ ¼.
+    /// The longest chord, a power of two in ticks, that is nowhere more than a quarter of a step off the polynomial from its present tick
+    /// `begin` up to its end: ½a·len²/4 ≤ ¼.
     pub(crate) fn longest_chord(&self, begin: Ticks) -> u64 {
         let mut most = self.half.0.unsigned_abs();
         if self.sixth != Q128::ZERO {

@@ -23,7 +23,7 @@ const LONGEST_RUN: u32 = u16::MAX as u32;
 /// No chord is as long as so many of the shortest periods. With an eighth more, and the open period in front of it, it is a run.
 pub(super) const MOST_IN_CHORD: u32 = LONGEST_RUN / 9 * 8 - 2;
 
-/// From so many pulses in a chord on, the open period before it is as long as the periods in it.
+/// From so many pulses in a chord on, the open period before it becomes one of the equal periods of the chord.
 const MANY: u32 = 8;
 
 /// A microsecond at 168 MHz, in ticks: faster pulses may be off by that, but for an eighth.
@@ -48,14 +48,17 @@ pub(super) struct Pulses {
 pub(super) struct Train {
     /// Ticks of the step signal being high.
     width: u16,
-    /// Records made, and whether there was no room for one.
+    /// Records made and not committed.
     count: u8,
+    /// There was no room for a record.
     is_overrun: bool,
     /// The shortest period between pulses.
     pub(super) shortest: u32,
-    /// The shortest record of one period; and from the beginning of the last pulse to a change of direction, and from there to the next pulse.
+    /// The shortest record of one period, in ticks.
     least: u32,
+    /// From the beginning of the last pulse to a change of direction.
     hold: u32,
+    /// From a change of direction to the next pulse.
     setup: u32,
     pub(super) segment: u32,
     /// Steps made, modulo 2³².
@@ -159,7 +162,7 @@ impl Train {
             .cast_signed()
     }
 
-    /// How far behind a tick there have to be chords for [`Train::flush`] to bring the records up to it.
+    /// How many ticks beyond a tick the chords have to lead, for [`Train::flush`] to bring the records up to that tick.
     #[inline]
     pub(super) const fn behind(&self) -> u32 {
         self.hold + self.least
@@ -197,8 +200,8 @@ impl Train {
         }
     }
 
-    /// Goes on with the periods of the last run, up to a pulse `last` ticks behind `begin`: where that is as long as so many of them but for an
-    /// eighth, each, and so is the period that is open. Whether it is so.
+    /// Goes on with the run before, up to a pulse `last` ticks behind `begin`, if the periods of this chord are as long as those of the run
+    /// but for an eighth, and the open one is no longer than that. Whether it has done so.
     #[inline]
     pub(super) fn goes_on(
         &mut self,
