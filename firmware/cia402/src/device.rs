@@ -69,13 +69,13 @@ pub struct Device<D: Behaves, A = ()> {
     node: Node<D>,
     hooks: Hooks<A, D::Behaviour>,
     phase: Phase,
-    /// What was last posted of the network.
+    /// The state of the network that was posted last.
     network: Network,
-    /// The network was lost with this error, and the motor is not safe yet.
+    /// The network was lost with this error, and the motor does not stand without power yet.
     lost: Option<u16>,
     /// The counters that the dictionary shows.
     counters: Counters,
-    /// Parameters are to be stored, and since then the motor is not safe.
+    /// Since when an order to store waits, as the motor is not safe (standing without power).
     unsafe_since: Option<Instant>,
     /// Where node-ID and bit rate come from.
     sources: (Source, Source),
@@ -277,7 +277,7 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
         self.refresh(now, false, exchange);
         self.start_controller();
         self.start_commissioning();
-        self.hooks.touch();
+        self.hooks.post_all_anew();
         self.post(exchange);
     }
 
@@ -383,7 +383,7 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
                 Phase::Off | Phase::Running => reset,
             };
             self.phase = Phase::Stopping(reset);
-            self.hooks.touch();
+            self.hooks.post_all_anew();
         }
     }
 

@@ -13,7 +13,7 @@ use crate::window_timer::WindowTimer;
 /// Control ticks over which a change of the following error is taken.
 const SPAN: usize = 16;
 
-/// 6065h: the window is not looked at.
+/// 6065h: the following error window is off.
 const OFF: u32 = u32::MAX;
 
 /// The following error of the last control ticks.

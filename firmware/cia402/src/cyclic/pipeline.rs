@@ -1,4 +1,4 @@
-//! How far ahead of the motor the drive has to know where it is to go.
+//! The delays between a sync event and the motor: how far ahead a set-point has to be known.
 
 use super::MicrosQ16;
 

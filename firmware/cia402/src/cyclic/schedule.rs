@@ -1,11 +1,11 @@
 //! When control ticks are due in the cyclic modes: in step with the sync events.
 //!
-//! In step, a tick comes a quarter of a tick before each sync event, so that SYNC finds the values of that moment, and as many in between as keep ticks
-//! from being longer than they nominally are. The ticks are brought into step by at most 1/32 in each tick.
+//! In step, a tick comes a quarter of a tick before each sync event, so that the process data of SYNC are of that moment. As many ticks lie
+//! in between as keep them from being longer than nominal. A tick is made longer or shorter by at most 1/32 to bring them into step.
 //!
-//! The moment before a sync event is the one at which the motor is at a set-point. That was settled when the set-point came, some sync events ago, and
-//! with jitter the loop has moved since: so the tick keeps to that moment ([`Schedule::aim`]), and not to what the loop says by now. At
-//! 500,000 increments/s the motor would be five of them further otherwise.
+//! At the tick before a sync event the motor is at a set-point. That moment was fixed when the set-point came, some sync events ago, and
+//! the loop has moved since with the jitter. So the tick keeps to the fixed moment ([`Schedule::aim`]) and not to the present one of the
+//! loop; otherwise, at 500,000 increments/s, the motor would be up to five increments off.
 
 use canopen::{Duration, Instant};
 use heapless::Deque;
@@ -21,14 +21,15 @@ pub(crate) struct Schedule {
     nominal: MicrosQ16,
     /// When the next tick is due.
     due: MicrosQ16,
-    /// From one tick to the next, as it is now, and the period that it was shared out of.
+    /// The present length of a tick.
     tick: MicrosQ16,
+    /// The period of sync events from which that length was computed.
     period: MicrosQ16,
     /// When the motor will be at set-points, the next one first.
     aims: Deque<MicrosQ16, AIMS>,
 }
 
-/// Of the shortest periods so many set-points are on their way to the motor.
+/// The most set-points that are known ahead of the motor, with the shortest periods.
 const AIMS: usize = 12;
 
 impl Schedule {
@@ -44,12 +45,12 @@ impl Schedule {
         }
     }
 
-    /// The motor will be at a set-point at this moment. What was to be later than that was settled by a sync event that is no more.
+    /// The motor will be at a set-point at this moment. Later moments are dropped: they are of sync events from before a new beginning.
     pub(crate) fn aim(&mut self, at: MicrosQ16) {
         while self.aims.back().is_some_and(|later| span(*later, at) <= 0) {
             let _ = self.aims.pop_back();
         }
-        // What has no room is one more tick that keeps to the loop.
+        // Without room, the tick keeps to the loop.
         let _ = self.aims.push_back(at);
     }
 

@@ -1,8 +1,8 @@
 //! The timer of the control tick, made to keep the moments at which ticks are due.
 //!
-//! Such a timer counts to the next tick already when a tick runs, so a new length holds behind that one. What it counts to is known from
-//! what it was told, and is not measured again in each tick: a tick runs a little late now and then, and a length that answered to that,
-//! one tick after the other, would swing with it ever more. What is measured moves it by 1/16, so that two clocks stay together.
+//! When a tick runs, such a timer counts to the next tick already, so a new length takes effect behind that one. The time to which it
+//! counts is known from the lengths that it was programmed with, and is not measured in each tick: a tick runs late now and then, and
+//! lengths that corrected that at once would oscillate. A sixteenth of what is measured is corrected, so that the two clocks stay together.
 
 use canopen::{Duration, Instant};
 

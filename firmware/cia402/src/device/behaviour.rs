@@ -23,13 +23,13 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
             self.hooks.behaviour.wrote(self.node.dictionary(), result);
         }
         if asks.configuration {
-            self.hooks.touch();
+            self.hooks.post_all_anew();
         } else if asks.commands {
-            self.hooks.touch_commands();
+            self.hooks.post_commands_anew();
         }
         if asks.reset && self.phase == Phase::Running {
             self.phase = Phase::Stopping(Reset::Node);
-            self.hooks.touch();
+            self.hooks.post_all_anew();
         }
         if let Some((index, sub)) = asks.order {
             self.node.order(index, sub);

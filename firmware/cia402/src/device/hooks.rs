@@ -130,13 +130,13 @@ impl<A, B: Behaviour> Hooks<A, B> {
     }
 
     /// Commands and configuration are to be posted even if no drive object was written.
-    pub(crate) const fn touch(&mut self) {
+    pub(crate) const fn post_all_anew(&mut self) {
         self.written = true;
         self.configured = true;
     }
 
     /// Commands are to be posted even if no drive object was written.
-    pub(crate) const fn touch_commands(&mut self) {
+    pub(crate) const fn post_commands_anew(&mut self) {
         self.written = true;
     }
 
@@ -152,12 +152,12 @@ impl<A, B: Behaviour> Hooks<A, B> {
         self.history.disable_voltage();
     }
 
-    /// Whether anybody has said how far apart set-points are (60C2h).
+    /// Whether the interpolation time period 60C2h was written, or loaded with another value than its default.
     pub(crate) const fn has_period(&self) -> bool {
         self.has_period
     }
 
-    /// Parameters were loaded. A default among them says nothing: everything is stored, whoever wrote it.
+    /// Parameters were loaded. A 60C2h that is the default does not count as written, as all parameters are stored.
     pub(crate) fn loaded<D: Objects>(&mut self, dictionary: &D) {
         let period = CyclicConfiguration::of(dictionary).period;
         self.has_period = period != CyclicConfiguration::NONE.period;

@@ -39,7 +39,7 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
             self.hooks.loaded(self.node.dictionary());
             self.start_commissioning();
             self.refresh(now, false, exchange);
-            self.hooks.touch();
+            self.hooks.post_all_anew();
             self.post(exchange);
         }
         self.store_serial_number(store, exchange);

@@ -2,11 +2,11 @@
 //!
 //! Newer data takes the place of what waits in a transmit PDO, so a state of a millisecond may never reach the bus: it is busy, an inhibit
 //! time runs, SYNC is still to come. The device therefore tells the drive when a PDO with the state has been taken out to be sent, and the
-//! drive leaves the state no sooner, but 50 ms after it began at the latest. What it does to the motor is not put off
-//! by that, nor is power that goes off at once, by an option code or "disable voltage". Power that goes off once the motor stands stays
-//! on until the state ends; the brake, if there is one, has closed by then.
+//! drive leaves the state then, but 50 ms after it began at the latest. The stop of the motor is not delayed by that, nor is power off at
+//! once, by an option code or "disable voltage". Where the power goes off once the motor stands, it stays on until the state ends; the
+//! brake, if there is one, has closed by then.
 //!
-//! Nobody waits where nothing would show the state: no transmit PDO that is sent without being asked for has the statusword, the node is not
+//! The state is not prolonged where no PDO can show it: no transmit PDO but those on remote request has the statusword, the node is not
 //! Operational, or it is bus-off.
 
 use canopen::cia301::nmt::NmtState;
@@ -32,13 +32,13 @@ const STATE_BITS: u32 = 7;
 /// How a state that ends by itself is being shown.
 #[derive(Debug)]
 pub(super) struct TransientStates {
-    /// The drive was told that somebody may see its states.
+    /// The drive was told that a transmit PDO may show its states.
     is_watched: bool,
     /// The controller has left the bus.
     is_bus_off: bool,
     /// The state that the dictionary shows, if it is one of them.
     state: Option<State>,
-    /// It has been shown, or nothing would show it.
+    /// A PDO has shown it, or none can.
     is_done: bool,
 }
 
@@ -54,13 +54,13 @@ impl TransientStates {
 }
 
 impl<D: Behaves, A: Application<D>> Device<D, A> {
-    /// Without a bus nobody sees anything.
+    /// Whether the controller is bus-off, so that no PDO is sent.
     pub(super) fn look_at_bus<X: Share>(&mut self, is_bus_off: bool, exchange: &mut X) {
         self.transient.is_bus_off = is_bus_off;
         self.watch(exchange);
     }
 
-    /// Tells the drive whether anybody may see its states.
+    /// Tells the drive whether a transmit PDO may show its states.
     pub(super) fn watch<X: Share>(&mut self, exchange: &mut X) {
         let is_watched = self.phase == Phase::Running
             && self.node.state() == NmtState::Operational

@@ -51,8 +51,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         edge | self.machine.resets(edge, is_only_shown, is_new)
     }
 
-    /// The fault that too many missing set-points of a cyclic mode are, if 2051h:2 makes them one. The mode has stopped the motor
-    /// already.
+    /// The fault of too many missing set-points in a cyclic mode, if 2051h:2 asks for one. The mode has stopped the motor already.
     pub(super) fn set_points_lost(&mut self) -> Option<Reaction> {
         let cyclic = &self.configuration.cyclic;
         self.faults.sync_differs(
@@ -66,8 +65,8 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         is_fault.then(|| self.faults.set_points_lost())
     }
 
-    /// The fault that pulses are that came too late, if 20A2h makes them one: the motor has stopped between two steps, and may stand
-    /// anywhere. A planner or an axis that has failed is one always.
+    /// The fault of pulses that came too late, if 20A2h asks for one: the motor may have lost steps. A planner or an axis that has failed
+    /// is always a fault.
     pub(super) fn pulses_late(&mut self) -> Option<Reaction> {
         let ActuatorErrors { is_late, is_broken } = self.motor.take_errors();
         if is_broken || is_late && self.configuration.late_is_fault {

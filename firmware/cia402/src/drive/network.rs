@@ -8,12 +8,12 @@ use crate::objects::Objects;
 use crate::option_codes::AbortConnectionOption;
 use crate::state_machine::State;
 
-/// What the drive has made of the network so far.
+/// How the drive takes the network.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Network {
     /// It may not command the drive.
     Lost,
-    /// It may, or 6007h lets the drive go on without.
+    /// It may command the drive, or 6007h = 0 lets the drive go on without it.
     Commanding,
     /// It is lost, and 6007h = 1 has made a fault of that.
     Abandoned,

@@ -15,7 +15,7 @@ use crate::state_machine::State;
 use crate::statusword;
 
 impl<D: Objects, A: Actuator> Drive<D, A> {
-    /// What the mode says while it is not at work.
+    /// The statusword bits of the mode outside of operation enabled.
     pub(super) const fn idle_bits(&self) -> u16 {
         self.modes.idle_bits(&self.motor, &self.configuration)
     }

@@ -1,4 +1,4 @@
-//! How a motion ends that the mode of operation did not end: the option codes, the brake, the limits.
+//! Stops that the mode of operation does not make: by option codes, for the brake, at limits.
 
 use canopen::{Duration, Instant};
 
@@ -67,7 +67,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         self.brakes.wanted.is_closed(self.configuration.brake, now)
     }
 
-    /// A stop that the drive makes on its own has an end, whatever its ramp: after 20A1h the brake closes, and then the power goes off.
+    /// Bounds a stop that the drive makes on its own, whatever its ramp: after 20A1h the brake closes, and then the power goes off.
     pub(super) fn end_own_stop(&mut self, now: Instant, remote: bool) {
         let is_own = !remote || self.machine.state() == State::FaultReactionActive;
         if is_own && self.power == Power::On {
@@ -87,7 +87,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         matches!(self.power, Power::Stopping { since } if now.ticks().saturating_sub(since.ticks()) >= longest)
     }
 
-    /// Whether the state may end by itself: a transmit PDO has shown it, or nobody has come to do so for long.
+    /// Whether the state may end by itself: a transmit PDO has shown it, or its longest time is over.
     pub(super) fn has_shown(&self, tick: &Tick<'_>) -> bool {
         !self.machine.state().is_transient()
             || tick.is_seen

@@ -1,7 +1,7 @@
-//! A torque that is held: what the two modes of torque share.
+//! Holding a torque: what profile torque and cyclic synchronous torque share.
 //!
 //! The contract:
-//! - The torque is held within the limits of torque and current; the velocity within 6080h and 607Fh, where the torque falls to what keeps it.
+//! - The torque is held within the limits of torque and current; the velocity is held within 6080h and 607Fh, by less torque.
 //! - A torque into a limit switch, or towards a software limit 607Dh from where the quick stop ramp would end beyond it, is not held: the motor
 //!   stops on that ramp and stays. A torque the other way is held at once.
 
@@ -12,7 +12,7 @@ use crate::actuator::Actuator;
 use crate::option_codes::StopRamp;
 use crate::statusword::INTERNAL_LIMIT;
 
-/// What has become of it.
+/// The state of a held torque.
 #[derive(Debug)]
 pub(super) struct HeldTorque {
     /// A limit of the position is in the way of a torque of this sign; 0 for none.

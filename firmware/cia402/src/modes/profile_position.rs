@@ -9,8 +9,8 @@
 //!   that waits. If that leads back, the motor stops in between all the same.
 //! - Bit 6 = 1: 607Ah counts from what 60F2h says: the previous target as it was carried out (0; after enabling, where the motor
 //!   stands), the position demand (1) or the actual position (2). For one that waits they are all the target under way.
-//! - 6082h is the velocity at the target. The motor keeps it beyond, until the next set-point or a software limit. With the habit of a start speed
-//!   it is the speed with which a move begins and ends, at once.
+//! - 6082h is the velocity at the target. The motor keeps it beyond, until the next set-point or a software limit. For a product with a
+//!   start speed (`Habits::start_speed`) it is the speed with which a move begins and ends, at once.
 //! - Edges count while the mode is at work only. Bit 4 that rises with the controlword that enables, or with the change
 //!   of the mode, hands over nothing.
 //! - Halt (bit 8) stops on the ramp of 605Dh and keeps the target; releasing it goes on. Set-points are taken but not started.
@@ -42,7 +42,7 @@ use crate::travel::Travel;
 use crate::window_timer::WindowTimer;
 use set_point::{Limited, SetPoint};
 
-/// 6067h: the window is not looked at.
+/// 6067h: the position window is off.
 const WINDOW_OFF: u32 = u32::MAX;
 /// 60F2h: what relative set-points count from.
 const RELATIVE_TO: u16 = 3;

@@ -45,9 +45,9 @@ pub struct Recorder<M> {
     quiet: (u32, u32),
     /// Ticks that make [`QUIET`].
     quiet_ticks: u32,
-    /// What it has told of itself; nothing at first.
-    told: (State, u16),
-    /// There is nothing to do without an order.
+    /// State and number of samples that were published last; the initial value is never published.
+    published: (State, u16),
+    /// Nothing is to be done until an order comes.
     is_asleep: bool,
 }
 
@@ -86,7 +86,7 @@ impl<M: Deref<Target = Memory>> Recorder<M> {
             found: Found::default(),
             quiet: (0, 0),
             quiet_ticks: u32::try_from(quiet_ticks).unwrap_or(u32::MAX),
-            told: (State::Armed, 0),
+            published: (State::Armed, 0),
             is_asleep: false,
         }
     }
@@ -117,16 +117,16 @@ impl<M: Deref<Target = Memory>> Recorder<M> {
             let actuals = exchange.lock(|exchange| *exchange.newest());
             self.advance(&drive.result(&actuals));
         } else {
-            self.look_around();
+            self.repeat_if_read();
         }
-        if (self.state, self.recorded) != self.told {
+        if (self.state, self.recorded) != self.published {
             self.tell(exchange);
         }
     }
 
     /// Says what it is doing.
     fn tell<X: Share>(&mut self, exchange: &mut X) {
-        self.told = (self.state, self.recorded);
+        self.published = (self.state, self.recorded);
         self.is_asleep = match self.state {
             State::Idle => true,
             State::Armed | State::Triggered => false,
@@ -279,7 +279,7 @@ impl<M: Deref<Target = Memory>> Recorder<M> {
     }
 
     /// A recording that repeats itself begins anew when the last one has been read and nobody reads it any more.
-    fn look_around(&mut self) {
+    fn repeat_if_read(&mut self) {
         if self.state != State::Full || !self.setup.is_repeated {
             return;
         }

@@ -36,7 +36,7 @@ const POSITION_POLARITY: u8 = 1 << 7;
 /// 607Eh: velocities are turned around.
 pub(crate) const VELOCITY_POLARITY: u8 = 1 << 6;
 
-/// A window that is not looked at: FFFFFFFFh.
+/// A window that is off: FFFFFFFFh.
 const OFF: u32 = u32::MAX;
 
 /// The objects that units are made from.
