@@ -13,7 +13,7 @@
 //! command value: 1 as long as it does. Bit 13: following error.
 
 use super::following::{Following, Outcome};
-use super::{Context, DriveTypes};
+use super::{Context, Types};
 use crate::actuator::Actuator;
 use crate::statusword::{FOLLOWS, INTERNAL_LIMIT, TARGET_REACHED};
 
@@ -44,7 +44,7 @@ impl CyclicPosition {
 
     /// One control tick; returns statusword bits 10 to 12.
     #[inline(never)]
-    pub(super) fn tick(&mut self, context: &mut Context<'_, impl DriveTypes>) -> u16 {
+    pub(super) fn tick(&mut self, context: &mut Context<'_, impl Types>) -> u16 {
         if context.is_held() {
             if !self.is_held {
                 self.is_held = true;
@@ -71,7 +71,7 @@ impl CyclicPosition {
 }
 
 /// Statusword bits 10 to 12 of the modes that follow positions.
-pub(super) fn bits(motion: &Following, context: &Context<'_, impl DriveTypes>) -> u16 {
+pub(super) fn bits(motion: &Following, context: &Context<'_, impl Types>) -> u16 {
     let bit = |condition, bit| if condition { bit } else { 0 };
     let stands = context.is_halted() && context.motor.standstill();
     bit(stands, TARGET_REACHED)

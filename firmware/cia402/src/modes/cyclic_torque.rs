@@ -8,7 +8,7 @@
 //! Bit 10: during halt, the motor stands. Bit 11: a limit is in the way. Bit 12, drive follows the command value.
 
 use super::held_torque::HeldTorque;
-use super::{Context, DriveTypes};
+use super::{Context, Types};
 use crate::actuator::Actuator;
 use crate::motor::Motor;
 use crate::option_codes::StopRamp;
@@ -47,7 +47,7 @@ impl CyclicTorque {
 
     /// One control tick; returns statusword bits 10 to 12.
     #[inline(never)]
-    pub(super) fn tick(&mut self, context: &mut Context<'_, impl DriveTypes>) -> u16 {
+    pub(super) fn tick(&mut self, context: &mut Context<'_, impl Types>) -> u16 {
         if context.is_held() {
             if !self.is_halted {
                 self.is_halted = true;

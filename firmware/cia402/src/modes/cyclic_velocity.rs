@@ -12,7 +12,7 @@
 //! Bit 10: during halt, the motor stands. Bit 12, drive follows the command value: 0 as well while a software limit or a limit switch keeps
 //! it from that.
 
-use super::{Context, DriveTypes};
+use super::{Context, Types};
 use motion::{Limits, Ramps, SignedSpeed, Speed};
 
 use super::following::{braking_distance, gain, seconds};
@@ -85,7 +85,7 @@ impl CyclicVelocity {
 
     /// One control tick; returns statusword bits 10 to 12.
     #[inline(never)]
-    pub(super) fn tick(&mut self, context: &mut Context<'_, impl DriveTypes>) -> u16 {
+    pub(super) fn tick(&mut self, context: &mut Context<'_, impl Types>) -> u16 {
         if context.is_held() {
             if !self.is_held {
                 self.is_held = true;
@@ -114,7 +114,7 @@ impl CyclicVelocity {
             | bit(self.follows && !self.is_blocked, FOLLOWS)
     }
 
-    fn take(&mut self, slot: &Slot, context: &mut Context<'_, impl DriveTypes>) {
+    fn take(&mut self, slot: &Slot, context: &mut Context<'_, impl Types>) {
         let asked = slot.event.and_then(|event| event.velocity);
         let lost = &context.configuration.cyclic.lost;
         match asked {
@@ -167,7 +167,7 @@ impl CyclicVelocity {
     }
 
     /// Until the first set-point: a motion that has no end, or ends beyond a software limit, becomes one that ends at the limit.
-    fn go_on(&mut self, context: &mut Context<'_, impl DriveTypes>) {
+    fn go_on(&mut self, context: &mut Context<'_, impl Types>) {
         if context.motor.is_at_rest() {
             self.goes_on = false;
             return;
@@ -200,11 +200,7 @@ impl CyclicVelocity {
     }
 
     /// The velocity within all limits.
-    fn allowed(
-        &mut self,
-        interval: MicrosQ16,
-        context: &Context<'_, impl DriveTypes>,
-    ) -> SignedSpeed {
+    fn allowed(&mut self, interval: MicrosQ16, context: &Context<'_, impl Types>) -> SignedSpeed {
         let asked = self.velocity;
         let before = context.motor.path_end();
         let wanted = asked.within(context.max_velocity());
@@ -230,7 +226,7 @@ fn within_ramps(
     velocity: SignedSpeed,
     before: SignedSpeed,
     interval: MicrosQ16,
-    context: &Context<'_, impl DriveTypes>,
+    context: &Context<'_, impl Types>,
 ) -> SignedSpeed {
     let seconds = seconds(interval);
     let grows = velocity.unsigned_abs() > before.unsigned_abs();
@@ -255,7 +251,7 @@ fn before_limit(
     velocity: SignedSpeed,
     interval: MicrosQ16,
     position: i64,
-    context: &Context<'_, impl DriveTypes>,
+    context: &Context<'_, impl Types>,
 ) -> SignedSpeed {
     let (low, high) = context.travel.increments;
     let available = match velocity.bits() {

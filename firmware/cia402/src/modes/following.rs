@@ -19,7 +19,7 @@ mod period;
 
 use motion::{Limits, Speed};
 
-use super::{Context, DriveTypes};
+use super::{Context, Types};
 use acceleration::{MaxChange, SetPoints};
 use period::{away, distance_at, distance_q16, may_brake_behind, over, slope, to, whole};
 
@@ -144,7 +144,7 @@ impl Following {
         &mut self,
         slot: Slot,
         target: Option<i64>,
-        context: &mut Context<'_, impl DriveTypes>,
+        context: &mut Context<'_, impl Types>,
     ) -> Outcome {
         let is_cubic = context.configuration.cyclic.is_cubic;
         let end = slot.due(context.pipeline, is_cubic);
@@ -297,11 +297,7 @@ impl Following {
     }
 
     /// The distance that is asked for; `None` if too many set-points are missing.
-    fn required(
-        &mut self,
-        target: Option<i64>,
-        context: &Context<'_, impl DriveTypes>,
-    ) -> Option<i64> {
+    fn required(&mut self, target: Option<i64>, context: &Context<'_, impl Types>) -> Option<i64> {
         let lost = &context.configuration.cyclic.lost;
         if let Some(goal) = target {
             self.head_for(goal);
@@ -330,7 +326,7 @@ impl Following {
         velocity: i64,
         most: i64,
         seconds: u64,
-        context: &Context<'_, impl DriveTypes>,
+        context: &Context<'_, impl Types>,
     ) -> i64 {
         let asked = required;
         let has_ends = context.travel.increments != Travel::NONE.increments;
@@ -400,18 +396,13 @@ impl Following {
     }
 
     /// The distance, if no limit switch blocks it.
-    fn outside_limit_switches(distance: i64, context: &Context<'_, impl DriveTypes>) -> i64 {
+    fn outside_limit_switches(distance: i64, context: &Context<'_, impl Types>) -> i64 {
         let is_free = context.motor.is_free(distance).is_ok();
         if is_free { distance } else { 0 }
     }
 
     /// The distance that still lets the motor stop at a software limit.
-    fn before_limit(
-        &self,
-        distance: i64,
-        seconds: u64,
-        context: &Context<'_, impl DriveTypes>,
-    ) -> i64 {
+    fn before_limit(&self, distance: i64, seconds: u64, context: &Context<'_, impl Types>) -> i64 {
         let (low, high) = context.travel.increments;
         let available = match distance {
             1.. => distance_q16(high).saturating_sub(self.at),
@@ -459,7 +450,7 @@ impl Following {
 }
 
 /// By how much a distance may grow and shrink from period to period while the motor catches up.
-fn ramps(seconds: u64, context: &Context<'_, impl DriveTypes>) -> (i64, i64) {
+fn ramps(seconds: u64, context: &Context<'_, impl Types>) -> (i64, i64) {
     let (limits, _) = context.within(Limits {
         velocity: Speed::ZERO,
         acceleration: context.commands.profile_acceleration,
@@ -486,7 +477,7 @@ const fn is_monotone(first: i64, last: i64, knot: Knot) -> bool {
 }
 
 /// Twice a unit of the user and an increment: what rounding four ends may make of the difference between two distances.
-fn rounding(context: &Context<'_, impl DriveTypes>) -> i64 {
+fn rounding(context: &Context<'_, impl Types>) -> i64 {
     let unit = context.units().position(1).saturating_abs();
     let most = unit.max(1).saturating_add(1).saturating_mul(2);
     most.min(1 << 40) << POINT

@@ -7,7 +7,7 @@
 
 use motion::{Ramps, low};
 
-use super::{Context, DriveTypes};
+use super::{Context, Types};
 use crate::actuator::Actuator;
 use crate::option_codes::StopRamp;
 use crate::statusword::INTERNAL_LIMIT;
@@ -30,7 +30,7 @@ impl HeldTorque {
     }
 
     /// Holds a torque, in thousandths of the rated one. Returns bit 11.
-    pub(super) fn hold(&mut self, asked: i16, context: &mut Context<'_, impl DriveTypes>) -> u16 {
+    pub(super) fn hold(&mut self, asked: i16, context: &mut Context<'_, impl Types>) -> u16 {
         let limits = context.configuration.torque;
         let positive = limits.most.min(limits.positive);
         let negative = limits.most.min(limits.negative);
@@ -57,7 +57,7 @@ impl HeldTorque {
     }
 
     /// Whether the quick stop ramp would end beyond a software limit.
-    fn is_beyond(&self, sign: i16, context: &Context<'_, impl DriveTypes>) -> bool {
+    fn is_beyond(&self, sign: i16, context: &Context<'_, impl Types>) -> bool {
         let (low, high) = context.travel.increments;
         let deceleration = context.deceleration(StopRamp::QuickStop);
         // It can be told in the next tick, and takes effect some pulses later.

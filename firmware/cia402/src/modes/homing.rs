@@ -23,7 +23,7 @@
 use motion::homing::{self as engine, Failure, Fitted, Inputs, Method, Order, Outcome};
 use motion::{Direction, Limits, Speed, low};
 
-use super::{Context, DriveTypes};
+use super::{Context, Types};
 use crate::actuator::{Actuator, Refused};
 use crate::configuration::HomingConfiguration;
 use crate::controlword::NEW_SET_POINT;
@@ -71,7 +71,7 @@ struct Search {
 
 impl Search {
     /// From now on the engine's position `home` has its name.
-    fn set_home(&mut self, context: &mut Context<'_, impl DriveTypes>, home: i32) {
+    fn set_home(&mut self, context: &mut Context<'_, impl Types>, home: i32) {
         let method = Method::from_code(self.configuration.method);
         if self.configuration.keeps_count() && !method.is_some_and(Method::is_immediate) {
             let from = context.position;
@@ -128,7 +128,7 @@ impl Homing {
 
     /// One control tick; returns statusword bits 10 to 13.
     #[inline(never)]
-    pub(super) fn tick(&mut self, context: &mut Context<'_, impl DriveTypes>) -> u16 {
+    pub(super) fn tick(&mut self, context: &mut Context<'_, impl Types>) -> u16 {
         let begins = core::mem::replace(&mut self.begins, false);
         if begins && context.motor.is_referenced() && !context.configuration.homing.starts_afresh()
         {
@@ -151,7 +151,7 @@ impl Homing {
         self.bits(context)
     }
 
-    fn begin(&mut self, context: &Context<'_, impl DriveTypes>) {
+    fn begin(&mut self, context: &Context<'_, impl Types>) {
         self.failure = NO_FAILURE;
         let configuration = context.configuration.homing;
         let method = Method::from_code(configuration.method).filter(|method| {
@@ -183,7 +183,7 @@ impl Homing {
     }
 
     #[inline(never)]
-    fn go_on(&mut self, context: &mut Context<'_, impl DriveTypes>) {
+    fn go_on(&mut self, context: &mut Context<'_, impl Types>) {
         let Progress::UnderWay(search) = &mut self.progress else {
             return;
         };
@@ -206,7 +206,7 @@ impl Homing {
     }
 
     /// Gives up what is under way.
-    fn interrupt(&mut self, context: &mut Context<'_, impl DriveTypes>) {
+    fn interrupt(&mut self, context: &mut Context<'_, impl Types>) {
         if let Progress::UnderWay(search) = &self.progress
             && !context.motor.standstill()
         {
@@ -223,7 +223,7 @@ impl Homing {
         self.progress = Progress::Failed;
     }
 
-    fn bits(&self, context: &Context<'_, impl DriveTypes>) -> u16 {
+    fn bits(&self, context: &Context<'_, impl Types>) -> u16 {
         let at_rest = if context.motor.standstill() {
             TARGET_REACHED
         } else {
@@ -247,7 +247,7 @@ impl Homing {
 }
 
 /// What the engine is told, where the master's count has `shift` beyond its own.
-fn inputs(context: &Context<'_, impl DriveTypes>, shift: i32) -> Inputs {
+fn inputs(context: &Context<'_, impl Types>, shift: i32) -> Inputs {
     Inputs {
         elapsed: context.elapsed,
         position: low::i32(context.position).wrapping_sub(shift),
@@ -275,7 +275,7 @@ const fn fitted(inputs: &InputConfiguration, block: bool) -> Fitted {
 fn carry_out(
     order: Order,
     search: &mut Search,
-    context: &mut Context<'_, impl DriveTypes>,
+    context: &mut Context<'_, impl Types>,
 ) -> Result<(), Refused> {
     let configuration = search.configuration;
     // A motion that has ended is cut no longer.

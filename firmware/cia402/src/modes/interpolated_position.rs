@@ -13,7 +13,7 @@
 
 use super::cyclic_position::bits;
 use super::following::{Following, Outcome};
-use super::{Context, DriveTypes};
+use super::{Context, Types};
 use crate::actuator::Actuator;
 use crate::controlword::NEW_SET_POINT;
 use crate::statusword::TARGET_REACHED;
@@ -51,7 +51,7 @@ impl InterpolatedPosition {
 
     /// One control tick; returns statusword bits 10 to 12.
     #[inline(never)]
-    pub(super) fn tick(&mut self, context: &mut Context<'_, impl DriveTypes>) -> u16 {
+    pub(super) fn tick(&mut self, context: &mut Context<'_, impl Types>) -> u16 {
         let is_enabled = context.commands.controlword & ENABLE != 0;
         if context.is_held() || !is_enabled {
             if !self.is_held {

@@ -12,7 +12,7 @@
 use motion::{Limits, Ramps, SignedSpeed};
 
 use super::braking::{self, Ramp};
-use super::{Context, DriveTypes};
+use super::{Context, Types};
 use crate::actuator::Actuator;
 use crate::motor::{Motor, REACH};
 use crate::travel::Travel;
@@ -116,7 +116,7 @@ impl KeptVelocity {
 
     /// Carries out an order. Nothing is planned while it stays the same; what software limits block is tried again, what a limit
     /// switch has ended is not, unless another velocity is asked for.
-    pub(super) fn follow(&mut self, order: Order, context: &mut Context<'_, impl DriveTypes>) {
+    pub(super) fn follow(&mut self, order: Order, context: &mut Context<'_, impl Types>) {
         let motor = &mut *context.motor;
         let is_new = if self.keeping == Keeping::AtSwitch {
             // A limit that is written cuts the velocity otherwise, but asks for no other.

@@ -48,18 +48,18 @@ use profile_velocity::ProfileVelocity;
 use velocity::Velocity;
 
 /// The types of a drive: the objects of its data sheet and its actuator.
-pub(crate) trait DriveTypes {
+pub(crate) trait Types {
     type Objects: Objects;
     type Actuator: Actuator;
 }
 
-impl<D: Objects, A: Actuator> DriveTypes for (D, A) {
+impl<D: Objects, A: Actuator> Types for (D, A) {
     type Objects = D;
     type Actuator = A;
 }
 
 /// What a mode sees, and the motor it moves, in one control tick.
-pub(crate) struct Context<'a, P: DriveTypes> {
+pub(crate) struct Context<'a, P: Types> {
     pub(crate) now: Instant,
     /// The mode at work.
     pub(crate) mode: Mode,
@@ -97,7 +97,7 @@ pub(crate) struct Context<'a, P: DriveTypes> {
     pub(crate) lost_set_points: &'a mut bool,
 }
 
-impl<'a, P: DriveTypes> Context<'a, P> {
+impl<'a, P: Types> Context<'a, P> {
     /// The units of the user.
     pub(crate) const fn units(&self) -> &'a Units {
         self.configuration.units.of_drive::<P::Objects>()
@@ -392,7 +392,7 @@ impl Modes {
 
     /// One control tick in operation enabled. Returns the bits of the statusword that belong to the mode. A mode that the drive has
     /// not got is not linked.
-    pub(crate) fn tick<P: DriveTypes>(&mut self, context: &mut Context<'_, P>) -> u16 {
+    pub(crate) fn tick<P: Types>(&mut self, context: &mut Context<'_, P>) -> u16 {
         let modes = const { P::Objects::DRIVE.modes & P::Actuator::MODES };
         let has = |mode: Mode| mode.is_among(modes);
         let active = self.active();

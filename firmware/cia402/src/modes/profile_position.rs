@@ -32,7 +32,7 @@ use motion::{Limits, SignedSpeed, Speed};
 
 use super::braking::{self, Ramp};
 use super::kept_velocity::{KeptVelocity, Order};
-use super::{Context, DriveTypes};
+use super::{Context, Types};
 use crate::actuator::{Actuator, Refused};
 use crate::controlword::NEW_SET_POINT;
 use crate::motor::Motor;
@@ -148,7 +148,7 @@ impl ProfilePosition {
 
     /// One control tick; returns statusword bits 10 to 12.
     #[inline(never)]
-    pub(super) fn tick(&mut self, context: &mut Context<'_, impl DriveTypes>) -> u16 {
+    pub(super) fn tick(&mut self, context: &mut Context<'_, impl Types>) -> u16 {
         let controlword = context.commands.controlword;
         let was_held = self.is_held;
         self.is_held = context.is_held();
@@ -188,7 +188,7 @@ impl ProfilePosition {
     }
 
     /// The set-point under way may have come to its end.
-    fn look_for_the_end(&mut self, context: &Context<'_, impl DriveTypes>) {
+    fn look_for_the_end(&mut self, context: &Context<'_, impl Types>) {
         let Some(set_point) = self.current else {
             return;
         };
@@ -206,7 +206,7 @@ impl ProfilePosition {
     }
 
     /// A set-point becomes the one under way.
-    fn begin(&mut self, mut set_point: SetPoint, context: &mut Context<'_, impl DriveTypes>) {
+    fn begin(&mut self, mut set_point: SetPoint, context: &mut Context<'_, impl Types>) {
         self.is_recut = false;
         self.head_for(&mut set_point, context);
         self.current = Some(set_point);
@@ -217,7 +217,7 @@ impl ProfilePosition {
     }
 
     /// The target of a set-point is the one that counts from now on.
-    fn head_for(&mut self, set_point: &mut SetPoint, context: &mut Context<'_, impl DriveTypes>) {
+    fn head_for(&mut self, set_point: &mut SetPoint, context: &mut Context<'_, impl Types>) {
         let distance = (set_point.target).saturating_sub(context.motor.committed_position());
         self.direction = distance.signum();
         set_point.end_within(*context.travel, self.direction, context.motor.window());
@@ -241,7 +241,7 @@ impl ProfilePosition {
     /// A limit may have changed: it counts for the set-points under way and in the buffer too. What is done stays as it is.
     #[cold]
     #[inline(never)]
-    fn look_at_limits(&mut self, context: &mut Context<'_, impl DriveTypes>) {
+    fn look_at_limits(&mut self, context: &mut Context<'_, impl Types>) {
         let is_cut_anew = core::mem::replace(&mut self.travel, *context.travel) != *context.travel;
         let is_under_way = self.progress == Progress::UnderWay;
         let before = (self.current).filter(|_| is_under_way || self.progress == Progress::Passed);
@@ -275,7 +275,7 @@ impl ProfilePosition {
     }
 
     /// The target has been passed: the end velocity is kept, within the software limits.
-    fn go_beyond(&mut self, context: &mut Context<'_, impl DriveTypes>) {
+    fn go_beyond(&mut self, context: &mut Context<'_, impl Types>) {
         let Some(set_point) = self.current else {
             return;
         };
@@ -295,19 +295,19 @@ impl ProfilePosition {
     }
 
     /// The halt is over: the set-point under way goes on.
-    fn resume(&mut self, context: &mut Context<'_, impl DriveTypes>) {
+    fn resume(&mut self, context: &mut Context<'_, impl Types>) {
         self.beyond.forget();
         self.go_on(context);
     }
 
     /// The set-point under way is begun again, from whatever the motor does.
-    fn go_on(&mut self, context: &mut Context<'_, impl DriveTypes>) {
+    fn go_on(&mut self, context: &mut Context<'_, impl Types>) {
         if let (Progress::UnderWay, Some(set_point)) = (self.progress, self.current) {
             self.start(set_point, context);
         }
     }
 
-    fn start(&mut self, set_point: SetPoint, context: &mut Context<'_, impl DriveTypes>) {
+    fn start(&mut self, set_point: SetPoint, context: &mut Context<'_, impl Types>) {
         let starts_anew = core::mem::take(&mut self.starts_anew);
         let is_recut = core::mem::take(&mut self.is_recut);
         self.beyond.forget();
@@ -359,7 +359,7 @@ impl ProfilePosition {
         braking.taken(motor);
     }
 
-    fn bits(&mut self, context: &Context<'_, impl DriveTypes>, taken: bool) -> u16 {
+    fn bits(&mut self, context: &Context<'_, impl Types>, taken: bool) -> u16 {
         let limited = self
             .current
             .map_or(Limited::NONE, |set_point| set_point.limited);
@@ -383,7 +383,7 @@ impl ProfilePosition {
         bits
     }
 
-    fn is_reached(&mut self, context: &Context<'_, impl DriveTypes>, limited: Limited) -> bool {
+    fn is_reached(&mut self, context: &Context<'_, impl Types>, limited: Limited) -> bool {
         let configuration = context.configuration;
         let window = configuration.position_window;
         let distance = context.position.abs_diff(self.target);
@@ -416,7 +416,7 @@ impl ProfilePosition {
 }
 
 /// Where the motor comes to rest, in steps, with the ramps that the set-point would have.
-fn rest(context: &Context<'_, impl DriveTypes>, deceleration: u32) -> i64 {
+fn rest(context: &Context<'_, impl Types>, deceleration: u32) -> i64 {
     let motor = &context.motor;
     if motor.is_at_rest() || motor.is_stopping() {
         return motor.destination();
@@ -427,7 +427,7 @@ fn rest(context: &Context<'_, impl DriveTypes>, deceleration: u32) -> i64 {
 }
 
 /// How far the motor may go until it stands, in steps: no less than it really is, but for a ramp that is under way.
-fn longest_stop(context: &Context<'_, impl DriveTypes>, set_point: &SetPoint) -> i64 {
+fn longest_stop(context: &Context<'_, impl Types>, set_point: &SetPoint) -> i64 {
     let velocity = context.motor.committed_velocity().unsigned_abs();
     let deceleration = set_point
         .asked

@@ -10,7 +10,7 @@
 use motion::low;
 
 use super::held_torque::HeldTorque;
-use super::{Context, DriveTypes};
+use super::{Context, Types};
 use crate::actuator::Actuator;
 use crate::motor::Motor;
 use crate::statusword::TARGET_REACHED;
@@ -49,7 +49,7 @@ impl ProfileTorque {
 
     /// One control tick; returns statusword bits 10 and 11.
     #[inline(never)]
-    pub(super) fn tick(&mut self, context: &mut Context<'_, impl DriveTypes>) -> u16 {
+    pub(super) fn tick(&mut self, context: &mut Context<'_, impl Types>) -> u16 {
         if context.is_held() {
             if !self.is_halted {
                 self.is_halted = true;

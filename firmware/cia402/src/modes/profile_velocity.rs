@@ -14,7 +14,7 @@
 use motion::{Limits, SignedSpeed, Speed};
 
 use super::kept_velocity::{KeptVelocity, Order};
-use super::{Context, DriveTypes};
+use super::{Context, Types};
 use crate::actuator::Actuator;
 use crate::motor::Motor;
 use crate::option_codes::StopRamp;
@@ -60,7 +60,7 @@ impl ProfileVelocity {
 
     /// One control tick; returns statusword bits 10 to 13.
     #[inline(never)]
-    pub(super) fn tick(&mut self, context: &mut Context<'_, impl DriveTypes>) -> u16 {
+    pub(super) fn tick(&mut self, context: &mut Context<'_, impl Types>) -> u16 {
         let is_held = context.is_held();
         if is_held && !self.is_held {
             self.motion.forget();
@@ -77,7 +77,7 @@ impl ProfileVelocity {
     }
 
     /// What is asked for now.
-    fn order(&mut self, context: &Context<'_, impl DriveTypes>) -> Order {
+    fn order(&mut self, context: &Context<'_, impl Types>) -> Order {
         let asked = context.commands.target_velocity;
         let (limits, is_cut) = context.within(Limits {
             velocity: asked.unsigned_abs(),
@@ -95,7 +95,7 @@ impl ProfileVelocity {
         }
     }
 
-    fn bits(&mut self, context: &Context<'_, impl DriveTypes>) -> u16 {
+    fn bits(&mut self, context: &Context<'_, impl Types>) -> u16 {
         let (configuration, asked) = (context.configuration, context.commands.target_velocity);
         let velocity = context.observed.velocity;
         let reached = self.reached.has_held(

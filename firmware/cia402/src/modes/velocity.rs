@@ -13,7 +13,7 @@
 use motion::{Limits, SignedSpeed};
 
 use super::kept_velocity::{KeptVelocity, Order};
-use super::{Context, DriveTypes};
+use super::{Context, Types};
 use crate::actuator::Actuator;
 use crate::configuration::VelocityConfiguration;
 use crate::controlword::{ENABLE_RAMP, REFERENCE_RAMP, UNLOCK_RAMP};
@@ -75,7 +75,7 @@ impl Velocity {
 
     /// One control tick; returns statusword bits 10 and 11.
     #[inline(never)]
-    pub(super) fn tick(&mut self, context: &mut Context<'_, impl DriveTypes>) -> u16 {
+    pub(super) fn tick(&mut self, context: &mut Context<'_, impl Types>) -> u16 {
         self.read(context);
         let before = self.control;
         self.control = self.controlled_by(context);
@@ -118,7 +118,7 @@ impl Velocity {
     }
 
     /// The controlword, with the bits of the ramp as they count.
-    const fn controlword(context: &Context<'_, impl DriveTypes>) -> u16 {
+    const fn controlword(context: &Context<'_, impl Types>) -> u16 {
         let given = context.commands.controlword;
         if context.habits().velocity_without_ramp_bits {
             given | ENABLE_RAMP | UNLOCK_RAMP | REFERENCE_RAMP
@@ -128,7 +128,7 @@ impl Velocity {
     }
 
     /// 6042h as it is written; 0 without the reference ramp.
-    const fn reference(context: &Context<'_, impl DriveTypes>) -> i16 {
+    const fn reference(context: &Context<'_, impl Types>) -> i16 {
         if Self::controlword(context) & REFERENCE_RAMP == 0 {
             0
         } else {
@@ -137,7 +137,7 @@ impl Velocity {
     }
 
     /// 6042h with its limits. The division is made only when something has changed.
-    fn read(&mut self, context: &Context<'_, impl DriveTypes>) {
+    fn read(&mut self, context: &Context<'_, impl Types>) {
         if context.is_as_before && self.source.is_some() {
             return;
         }
@@ -157,7 +157,7 @@ impl Velocity {
         self.asked = profile.speed(within, reference < 0);
     }
 
-    fn controlled_by(&self, context: &Context<'_, impl DriveTypes>) -> Control {
+    fn controlled_by(&self, context: &Context<'_, impl Types>) -> Control {
         let controlword = Self::controlword(context);
         if context.is_held() {
             Control::Halt
@@ -172,7 +172,7 @@ impl Velocity {
         }
     }
 
-    fn stop(&self, context: &mut Context<'_, impl DriveTypes>) {
+    fn stop(&self, context: &mut Context<'_, impl Types>) {
         if self.control == Control::Halt {
             context.halt();
         } else if !context.motor.standstill() {
@@ -180,7 +180,7 @@ impl Velocity {
         }
     }
 
-    fn bits(&self, context: &Context<'_, impl DriveTypes>, reached: bool, is_cut: bool) -> u16 {
+    fn bits(&self, context: &Context<'_, impl Types>, reached: bool, is_cut: bool) -> u16 {
         let is_limited = is_cut || self.motion.is_limited(context.motor);
         let bit = |condition, bit| if condition { bit } else { 0 };
         bit(reached, TARGET_REACHED) | bit(is_limited, INTERNAL_LIMIT)

@@ -4,7 +4,7 @@ use motion::{Limits, Ramps, Speed};
 
 use crate::actuator::Actuator;
 use crate::commands;
-use crate::modes::{Context, DriveTypes, braking};
+use crate::modes::{Context, Types, braking};
 use crate::motor::Motor;
 use crate::travel::Travel;
 use crate::units::Units;
@@ -84,7 +84,7 @@ impl SetPoint {
 
     /// Cuts velocities and ramps to 607Fh, 6080h, 60C5h, 60C6h and what the pulses can reach, and 6082h to 6081h.
     #[inline(never)]
-    pub(super) fn limit_profile(&mut self, context: &Context<'_, impl DriveTypes>) {
+    pub(super) fn limit_profile(&mut self, context: &Context<'_, impl Types>) {
         (self.limits, self.limited.profile) = context.within(self.asked);
         if context.habits().start_speed {
             self.end_velocity = Speed::ZERO;
@@ -102,7 +102,7 @@ impl SetPoint {
     /// Cuts the target to the software limits, to 32 bits around `here`, in units of the user, and to these increments.
     pub(super) fn aim(
         &mut self,
-        context: &Context<'_, impl DriveTypes>,
+        context: &Context<'_, impl Types>,
         here: i64,
         (nearest, farthest): (i64, i64),
     ) {

@@ -5,13 +5,13 @@ use super::{ProfilePosition, Progress, RELATIVE_TO, longest_stop, rest};
 use crate::actuator::Actuator;
 use crate::commands;
 use crate::controlword::{CHANGE_IMMEDIATELY, CHANGE_ON_SET_POINT, RELATIVE};
-use crate::modes::{Context, DriveTypes};
+use crate::modes::{Context, Types};
 use crate::motor::REACH;
 use crate::units::Rotation;
 
 impl ProfilePosition {
     /// Takes the set-point in the commands, if there is room. Returns whether it did.
-    pub(super) fn take(&mut self, context: &mut Context<'_, impl DriveTypes>) -> bool {
+    pub(super) fn take(&mut self, context: &mut Context<'_, impl Types>) -> bool {
         let given = context.commands.set_point();
         let controlword = given.controlword;
         let immediately = controlword & CHANGE_IMMEDIATELY != 0;
@@ -38,7 +38,7 @@ impl ProfilePosition {
     }
 
     /// Whether a set-point can wait. One that waits may have to make room, unless the motion is made for it already.
-    fn has_room(&self, context: &Context<'_, impl DriveTypes>) -> bool {
+    fn has_room(&self, context: &Context<'_, impl Types>) -> bool {
         let replaces = context.habits().third_set_point_replaces;
         self.next.is_none_or(|next| replaces && !next.blends)
     }
@@ -47,7 +47,7 @@ impl ProfilePosition {
     fn read(
         &self,
         given: commands::SetPoint,
-        context: &mut Context<'_, impl DriveTypes>,
+        context: &mut Context<'_, impl Types>,
         waits: bool,
     ) -> SetPoint {
         let here = self.base(context, waits);
@@ -65,7 +65,7 @@ impl ProfilePosition {
     pub(super) fn aim(
         &self,
         set_point: &mut SetPoint,
-        context: &Context<'_, impl DriveTypes>,
+        context: &Context<'_, impl Types>,
         waits: bool,
     ) {
         let here = self.base(context, waits);
@@ -86,7 +86,7 @@ impl ProfilePosition {
     }
 
     /// Where the motor should be, or will be when a set-point that waits begins, in units of the user.
-    fn base(&self, context: &Context<'_, impl DriveTypes>, waits: bool) -> i64 {
+    fn base(&self, context: &Context<'_, impl Types>, waits: bool) -> i64 {
         if waits {
             self.previous(context)
         } else {
@@ -96,7 +96,7 @@ impl ProfilePosition {
     }
 
     /// The previous target in units of the user.
-    fn previous(&self, context: &Context<'_, impl DriveTypes>) -> i64 {
+    fn previous(&self, context: &Context<'_, impl Types>) -> i64 {
         let units = context.units();
         self.user
             .unwrap_or_else(|| context.frame.position(self.target, units))
@@ -106,7 +106,7 @@ impl ProfilePosition {
     fn wanted(
         &self,
         given: commands::SetPoint,
-        context: &mut Context<'_, impl DriveTypes>,
+        context: &mut Context<'_, impl Types>,
         waits: bool,
         here: i64,
     ) -> i64 {
