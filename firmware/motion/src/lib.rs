@@ -15,6 +15,7 @@
 //! | plan | a trajectory in closed form from a state to a goal within limits; made of *phases* |
 //! | draft | what a plan starts from, copied at the horizon: it is made while the motion before is played |
 //! | lead | how a plan begins in a smooth ramp: the end of that ramp, or a jerk to zero acceleration |
+//! | virtual start | where a jerk-limited ramp that begins with an acceleration would have begun from an acceleration of zero |
 //! | phase | a stretch of a plan with constant acceleration or constant jerk |
 //! | corner | the tick at which one phase or path segment ends and the next begins |
 //! | ramp | a change of velocity: linear, sin², with limited jerk, or the moving average of a linear one |

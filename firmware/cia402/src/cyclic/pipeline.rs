@@ -8,7 +8,7 @@ pub(crate) struct Pipeline {
     /// From a control tick to the next, plus what is committed ahead of the motor.
     depth: MicrosQ16,
     /// How long before a sync event a control tick comes.
-    lead: MicrosQ16,
+    sync_lead: MicrosQ16,
     /// From a control tick to the next, and a quarter of that as they come now and then late.
     tick: MicrosQ16,
     /// A period, and its latency.
@@ -16,11 +16,11 @@ pub(crate) struct Pipeline {
 }
 
 impl Pipeline {
-    /// Of an actuator that commits so far `ahead` of the motor in every `tick`, one of which comes `lead` before each sync event.
-    pub(crate) const fn new(ahead: MicrosQ16, tick: MicrosQ16, lead: MicrosQ16) -> Self {
+    /// Of an actuator that commits so far `ahead` of the motor in every `tick`, one of which comes `sync_lead` before each sync event.
+    pub(crate) const fn new(ahead: MicrosQ16, tick: MicrosQ16, sync_lead: MicrosQ16) -> Self {
         Self {
             depth: tick.saturating_add(ahead),
-            lead,
+            sync_lead,
             tick: tick.saturating_add(tick / 4),
             known: (0, 0),
         }
@@ -63,7 +63,9 @@ impl Pipeline {
             .checked_div(period)
             .unwrap_or(1)
             .saturating_add(1);
-        periods.saturating_mul(period).saturating_sub(self.lead)
+        periods
+            .saturating_mul(period)
+            .saturating_sub(self.sync_lead)
     }
 }
 
@@ -88,7 +90,7 @@ mod tests {
                 for other in [period, period + 1] {
                     assert_eq!(expecting.latency(other), pipeline.latency(other));
                 }
-                let latency = pipeline.latency(period) + pipeline.lead;
+                let latency = pipeline.latency(period) + pipeline.sync_lead;
                 assert_eq!(latency % period, 0);
                 let known = pipeline.depth - pipeline.depth / 8;
                 assert!(latency - period >= known, "{} us", period >> POINT);

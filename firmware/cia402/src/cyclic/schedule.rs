@@ -55,7 +55,7 @@ impl Schedule {
     }
 
     /// How long before a sync event a tick comes.
-    pub(crate) const fn lead(&self) -> MicrosQ16 {
+    pub(crate) const fn sync_lead(&self) -> MicrosQ16 {
         self.nominal / 4
     }
 
@@ -87,7 +87,7 @@ impl Schedule {
         let tick = self.tick.cast_signed();
         let grid = self
             .aimed_at(wanted)
-            .unwrap_or_else(|| pll.at().wrapping_sub(self.lead()));
+            .unwrap_or_else(|| pll.at().wrapping_sub(self.sync_lead()));
         let off = span(grid, wanted);
         let off = nearest(off, tick);
         let most = tick / 32;

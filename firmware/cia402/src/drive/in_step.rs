@@ -38,7 +38,7 @@ impl Cyclic {
     pub(crate) fn new(ahead: MicrosQ16, tick: Duration) -> Self {
         let schedule = Schedule::new(tick);
         Self {
-            pipeline: Pipeline::new(ahead, schedule.tick(), schedule.lead()),
+            pipeline: Pipeline::new(ahead, schedule.tick(), schedule.sync_lead()),
             clock: NetworkClock::new(),
             record_clock: RecordClock::new(),
             schedule,
