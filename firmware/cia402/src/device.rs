@@ -258,11 +258,6 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
         self.node.dictionary_mut()
     }
 
-    /// The object dictionary, and what the product does that is no data.
-    pub fn product(&mut self) -> (&mut D, &mut D::Behaviour) {
-        (self.node.dictionary_mut(), &mut self.hooks.behaviour)
-    }
-
     /// The node, for its dictionary and state.
     pub fn node(&self) -> &Node<D> {
         &self.node

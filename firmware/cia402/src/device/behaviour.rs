@@ -8,6 +8,11 @@ use crate::behaviour::{Behaves, Behaviour};
 use crate::faults::emergency;
 
 impl<D: Behaves, A: Application<D>> Device<D, A> {
+    /// The object dictionary, and what the product does that is no data.
+    pub fn product(&mut self) -> (&mut D, &mut D::Behaviour) {
+        (self.node.dictionary_mut(), &mut self.hooks.behaviour)
+    }
+
     /// Does what the module of the product asks for.
     #[inline]
     pub(super) fn serve_behaviour(&mut self, now: Instant) {
