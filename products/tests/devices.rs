@@ -90,7 +90,7 @@ mod bindings {
 
     /// What is bound at its power-on value, and after a write, in the units of the drive.
     #[test]
-    fn currents_brake_and_inputs_of_the_nanotec_are_those_of_the_drive() {
+    fn current_brake_and_inputs_of_the_nanotec_are_those_of_the_drive() {
         let mut dictionary = nanotec::Dictionary::new();
         assert_eq!(dictionary.hold_current(), 1500);
         assert_eq!(
