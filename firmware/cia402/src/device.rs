@@ -37,6 +37,7 @@ use crate::exchange::{Actuals, Exchange, Share};
 use crate::faults::{FaultNotice, emergency};
 use crate::objects::{Facts, Objects};
 use crate::option_codes::AbortConnectionOption;
+use crate::scope::Status;
 
 use hooks::{Hooks, Network};
 
@@ -283,12 +284,11 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
         serves_frame: bool,
         exchange: &mut X,
     ) -> Actuals {
-        let (actuals, has_news, scope) = exchange.lock(|exchange| {
-            (
-                exchange.actuals_at(stamp),
-                exchange.has_news(),
-                exchange.scope(),
-            )
+        // Beside the actual values, which then are copied once.
+        let (mut has_news, mut scope) = (false, Status::NONE);
+        let actuals = exchange.lock(|exchange| {
+            (has_news, scope) = (exchange.has_news(), exchange.scope());
+            exchange.actuals_at(stamp)
         });
         let facts = self.facts(&actuals);
         let dictionary = self.node.dictionary_mut();
