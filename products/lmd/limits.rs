@@ -41,7 +41,11 @@ impl Limits {
                 POSITIONS,
                 [
                     if acts(4) { low.into() } else { i32::MIN.into() },
-                    if acts(8) { high.into() } else { i32::MAX.into() },
+                    if acts(8) {
+                        high.into()
+                    } else {
+                        i32::MAX.into()
+                    },
                 ],
             ),
         ];

@@ -194,8 +194,16 @@ impl Module {
         self.limits.show(dictionary);
         let mut word = number(dictionary, 0x6041, 0) as u16;
         word |= if self.is_warned { WARNING } else { 0 };
-        word |= if self.limits.is_any() { INTERNAL_LIMIT } else { 0 };
-        word &= if self.following.is_pending { !REACHED } else { !0 };
+        word |= if self.limits.is_any() {
+            INTERNAL_LIMIT
+        } else {
+            0
+        };
+        word &= if self.following.is_pending {
+            !REACHED
+        } else {
+            !0
+        };
         put_number(dictionary, 0x6041, 0, word.into());
         self.hmt.show(dictionary);
     }
