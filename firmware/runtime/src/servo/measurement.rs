@@ -85,6 +85,9 @@ pub(super) struct Measurement {
 impl Loops {
     /// Sets up the loops; the motor that they go by while there is no power.
     pub fn set_up(&mut self, settings: &ServoSettings) {
+        if *settings == self.settings {
+            return;
+        }
         let gains = ServoSettings {
             motor: self.settings.motor,
             pole_pairs: self.settings.pole_pairs,

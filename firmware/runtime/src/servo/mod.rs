@@ -244,6 +244,8 @@ impl Loops {
         if let Ok(current) = self.control.run(&self.interrupt, &seen) {
             match self.control.field() {
                 Some((from, speed)) => self.interrupt.order_field(current, from, speed),
+                // Most motors have none, and are spared its sine.
+                None if self.settings.lead == 0 => self.interrupt.order(current, 0),
                 None => {
                     let lead = u32::from(self.settings.lead.cast_unsigned()) << 16;
                     let lead = Angle::from_bits(lead).sine_cosine();
