@@ -222,7 +222,8 @@ impl Route {
         if self.end.speed == 0 {
             builder.brake_to_rest_at(target, half_deceleration, stop_time)
         } else {
-            let time = stop_time.saturating_sub(self.end.time);
+            // Both times are rounded down: a difference that is too long would begin above the peak.
+            let time = stop_time.saturating_sub(self.end.time + 1);
             builder.brake_through(target, half_deceleration, time, self.end.speed)
         }
     }

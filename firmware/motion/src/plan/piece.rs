@@ -13,7 +13,7 @@ use crate::low;
 /// A time in ticks, Q32: corners fall between ticks.
 pub(crate) type TicksQ32 = u128;
 
-/// A moment in the axis' time: ticks, Q32, in 96 bits; saturates.
+/// A moment in the axis' time: ticks, Q32. A ramp may be anchored behind the last tick that [`Ticks`] can tell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Instant(u128);
 
@@ -24,13 +24,8 @@ impl Instant {
     }
 
     #[inline]
-    pub(super) fn after(self, time: TicksQ32) -> Self {
-        let sum = self.0.saturating_add(time);
-        if (sum | time) >> 96 == 0 {
-            Self(sum)
-        } else {
-            Self::from(Ticks::MAX)
-        }
+    pub(super) const fn after(self, time: TicksQ32) -> Self {
+        Self(self.0.saturating_add(time))
     }
 
     /// So long before it.
@@ -43,13 +38,16 @@ impl Instant {
         self.0.abs_diff(other.0)
     }
 
-    /// The last tick that is not behind it.
+    /// The last tick that is not behind it, modulo 2⁶⁴.
     const fn tick(self) -> Ticks {
         low::u64(self.0 >> 32)
     }
 
-    /// The first tick that is not before it.
+    /// The first tick that is not before it; the last one there is, if it lies behind that.
     pub(super) fn tick_up(self) -> Ticks {
+        if self.0 >> 96 != 0 {
+            return Ticks::MAX;
+        }
         let is_behind = self.fraction() != 0;
         self.tick().saturating_add(is_behind.into())
     }

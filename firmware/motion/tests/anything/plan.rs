@@ -151,7 +151,7 @@ fn last(plan: &Plan, at: Ticks, clock: Clock) -> Ticks {
     last.max(at)
 }
 
-/// Ticks all over a plan, its corners among them.
+/// Ticks all over a plan, its corners among them. A plan that is not done when time ends, in 64 bits, stands from then on: that is not looked at.
 fn all_over(plan: &Plan, at: Ticks, clock: Clock) -> Vec<Ticks> {
     let length = last(plan, at, clock) - at;
     let even = (0..=32).map(|n| at + part_of(length, n << 11));
@@ -159,7 +159,10 @@ fn all_over(plan: &Plan, at: Ticks, clock: Clock) -> Vec<Ticks> {
         let corner = phase.start();
         [corner.saturating_sub(1), corner, corner.saturating_add(1)]
     });
-    let mut ticks: Vec<_> = even.chain(corners.filter(|t| *t >= at)).collect();
+    let mut ticks: Vec<_> = even
+        .chain(corners.filter(|t| *t >= at))
+        .filter(|t| *t < Ticks::MAX - 1)
+        .collect();
     ticks.sort_unstable();
     ticks
 }
