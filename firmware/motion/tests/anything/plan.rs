@@ -23,6 +23,9 @@ fn rounded_jerk(ticks: Ticks) -> u64 {
     u64::try_from((3 * ticks * ticks) >> (73 - 64)).unwrap_or(u64::MAX)
 }
 
+/// Time ends in 64 bits, 584 years after the start at 1 GHz: two years before that no more orders are tried.
+const LAST_ORDER: Ticks = Ticks::MAX - (1 << 56);
+
 /// The slowest clock that is tried.
 const SLOWEST: u32 = 1_000_000;
 
@@ -100,11 +103,10 @@ pub fn check(bytes: &[u8]) {
             1 => bytes.number(40),
             _ => part_of(last(&next, at, clock) - at, bytes.word()),
         };
-        let Some(then) = at.checked_add(later) else {
-            // Time ends here, in 64 bits.
-            return;
+        at = match at.checked_add(later) {
+            Some(at) if at < LAST_ORDER => at,
+            _ => return,
         };
-        at = then;
         plan = Some(next);
     }
 }
