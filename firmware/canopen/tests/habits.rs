@@ -5,7 +5,7 @@ use crate::device::ram_store::RamStore;
 use canopen::cia301::emergency::Emergency;
 use canopen::cia301::nmt::Reset;
 use canopen::cia301::sdo::AbortCode;
-use canopen::od::{Dictionary, Habits, Table, Told};
+use canopen::od::{Dictionary, ErrorMapping, Habits, Table};
 use canopen::{Duration, Event, Frame, Instant, Node, NodeId, Settings};
 
 /// The small dictionary in a device of a maker who has other habits, or none.
@@ -26,7 +26,7 @@ impl<const HAS_HABITS: bool> Dictionary for Device<HAS_HABITS> {
             missing_mapped_object: Some(AbortCode::NotMappable),
             mapping_too_long: AbortCode::NotMappable,
             errors: &[
-                Told {
+                ErrorMapping {
                     cause: 0x3210,
                     code: 0x3110,
                     register: 0x04,
@@ -34,7 +34,7 @@ impl<const HAS_HABITS: bool> Dictionary for Device<HAS_HABITS> {
                     history: 0,
                     number_byte: None,
                 },
-                Told {
+                ErrorMapping {
                     cause: 0x8210,
                     code: 0x8210,
                     register: 0x10,

@@ -68,7 +68,7 @@ use cia402_parameters::{Description, PROFILE};
 pub(crate) use file::comments;
 pub use habits::{Habit, KNOWN as HABITS, Known, Owner};
 pub(crate) use place::{entry, indices};
-pub use words::{Fact, Mask, Told, Word};
+pub use words::{ErrorMapping, Fact, Mask, Word};
 
 use crate::diagnostic::{Allowances, Colour, Diagnostic, Findings, Severity, render};
 use crate::files;
@@ -111,7 +111,7 @@ pub struct Bindings {
     /// Objects whose bits are inputs or outputs.
     pub masks: Vec<Mask>,
     /// How the maker tells of errors.
-    pub errors: Vec<Told>,
+    pub errors: Vec<ErrorMapping>,
 }
 
 impl Bindings {

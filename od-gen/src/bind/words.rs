@@ -78,9 +78,9 @@ pub struct Word {
     pub facts: BTreeMap<u8, Fact>,
 }
 
-/// How a maker tells of an error: `canopen::od::Told`.
+/// How a maker tells of an error: `canopen::od::ErrorMapping`.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Told {
+pub struct ErrorMapping {
     /// The code of the device itself.
     pub cause: u16,
     /// The code that masters see.
@@ -193,8 +193,8 @@ pub(super) fn errors(
     rows: &[Spanned<ErrorRow>],
     source: &Source,
     findings: &mut Findings,
-) -> Vec<Told> {
-    let mut found: Vec<Told> = Vec::new();
+) -> Vec<ErrorMapping> {
+    let mut found: Vec<ErrorMapping> = Vec::new();
     for row in rows {
         let own = row.get_ref();
         let mut info = [0; 5];
@@ -208,7 +208,7 @@ pub(super) fn errors(
             findings.report(&binding::HABIT, place(source, row.span()), message);
             continue;
         }
-        found.push(Told {
+        found.push(ErrorMapping {
             cause: own.cause,
             code: own.code,
             register: own.register,

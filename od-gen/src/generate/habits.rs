@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::bind::{Bindings, Habit, Owner, Told};
+use crate::bind::{Bindings, ErrorMapping, Habit, Owner};
 
 /// The constant of the node; empty where all is as the standards say.
 pub(super) fn of_node(bound: &Bindings) -> String {
@@ -25,7 +25,7 @@ pub(super) fn of_node(bound: &Bindings) -> String {
         fields += "        settings_are_objects: true,\n";
     }
     if !bound.errors.is_empty() {
-        let rows: String = bound.errors.iter().map(told).collect();
+        let rows: String = bound.errors.iter().map(error_mapping).collect();
         fields += &format!("        errors: &[\n{rows}        ],\n");
     }
     if node_id.is_some() || bit_rate.is_some() {
@@ -50,17 +50,17 @@ pub(super) fn of_node(bound: &Bindings) -> String {
     constant("HABITS", "::canopen::od::Habits", &fields)
 }
 
-fn told(told: &Told) -> String {
-    let Told {
+fn error_mapping(mapping: &ErrorMapping) -> String {
+    let ErrorMapping {
         cause,
         code,
         register,
         info,
         history,
         number_byte,
-    } = told;
+    } = mapping;
     format!(
-        "            ::canopen::od::Told {{
+        "            ::canopen::od::ErrorMapping {{
                 cause: 0x{cause:04X},
                 code: 0x{code:04X},
                 register: 0x{register:02X},

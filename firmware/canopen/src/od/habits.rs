@@ -8,7 +8,7 @@ use crate::wire::sdo::AbortCode;
 
 /// How a maker tells masters of an error that the firmware has a code of its own for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Told {
+pub struct ErrorMapping {
     /// The code in the firmware.
     pub cause: u16,
     /// The code in the message, in 1003h and in 603Fh.
@@ -46,7 +46,7 @@ pub struct Habits {
     /// The answer to a mapping that is longer than a PDO.
     pub mapping_too_long: AbortCode,
     /// How masters are told of errors; of one that is not listed as CiA 301 and CiA 402 say.
-    pub errors: &'static [Told],
+    pub errors: &'static [ErrorMapping],
     /// A transmit PDO of type 0 is sent at each SYNC, as one of type 1; else with the first one behind an event.
     pub acyclic_is_each_sync: bool,
     /// An expedited SDO download may indicate fewer bytes than the object has: its four bytes are all there.
@@ -97,13 +97,14 @@ impl Habits {
 
     /// How masters are told of an error with this code; `None` if they are told as it is.
     #[inline]
-    pub fn told(&self, cause: u16) -> Option<&'static Told> {
-        self.errors.iter().find(|told| told.cause == cause)
+    pub fn error_mapping(&self, cause: u16) -> Option<&'static ErrorMapping> {
+        self.errors.iter().find(|mapping| mapping.cause == cause)
     }
 
     /// The code that masters see of an error.
     #[inline]
     pub fn code(&self, cause: u16) -> u16 {
-        self.told(cause).map_or(cause, |told| told.code)
+        self.error_mapping(cause)
+            .map_or(cause, |mapping| mapping.code)
     }
 }

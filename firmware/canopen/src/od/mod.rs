@@ -32,7 +32,7 @@ pub use counts::{Count, Counts};
 pub use entry::{Access, Attributes, DataType, Entry, Location, StorageGroup, key};
 pub use features::Features;
 pub(crate) use fixed::{fixed, place};
-pub use habits::{Habits, Told};
+pub use habits::{ErrorMapping, Habits};
 pub use typed::{
     DayTime, OutOfRange, Value, bytes_at, give, put_at, signed, signed_bytes, unsigned,
     unsigned_bytes,

@@ -14,7 +14,7 @@ use crate::wire::Frame;
 #[inline(always)]
 fn told<D: Dictionary>(error: Message) -> (Message, u32) {
     let [low, high, _, number, ..] = error.0.to_le_bytes();
-    let Some(told) = D::HABITS.told(u16::from_le_bytes([low, high])) else {
+    let Some(told) = D::HABITS.error_mapping(u16::from_le_bytes([low, high])) else {
         return (error, error.history_word());
     };
     let mut info = told.info;
