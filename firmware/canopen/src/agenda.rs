@@ -81,7 +81,7 @@ pub const SERVICES: usize = 7;
 
 /// What becomes of a frame that waits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Manner {
+pub enum SendPolicy {
     /// It is sent, and those behind it: SDO, emergency messages, error control, LSS.
     Every,
     /// A newer one takes its place: SYNC, TIME, PDO.
@@ -241,10 +241,10 @@ impl<W: Slots<Word>> Agenda<W> {
 
     /// An object sends with this identifier from now on, 0 for SYNC that another device sends. If it waits, it goes on waiting.
     #[inline(never)]
-    pub(crate) fn name(&mut self, object: Object, cob_id: u16, manner: Manner) {
+    pub(crate) fn name(&mut self, object: Object, cob_id: u16, policy: SendPolicy) {
         if let Some(word) = self.word_mut(object) {
-            word.newest = with(word.newest, object.bit(), manner != Manner::Every);
-            word.synchronous = with(word.synchronous, object.bit(), manner == Manner::AtSync);
+            word.newest = with(word.newest, object.bit(), policy != SendPolicy::Every);
+            word.synchronous = with(word.synchronous, object.bit(), policy == SendPolicy::AtSync);
             if let Some(place) = word.cob_ids.get_mut(usize::from(object.0) % PLACES) {
                 *place = cob_id;
             }
@@ -370,7 +370,7 @@ mod tests {
     fn nothing_leaves_a_mute_device() {
         let mut agenda = Agenda::<[Word; 1]>::new();
         agenda.is_mute = true;
-        agenda.name(Object::EMERGENCY, 0x084, Manner::Every);
+        agenda.name(Object::EMERGENCY, 0x084, SendPolicy::Every);
         agenda.set(Object::EMERGENCY, true);
         assert_eq!(agenda.first(), None);
         agenda.set(Object::BOOT_UP, true);
@@ -412,19 +412,19 @@ mod tests {
             let is_in = |set: u64, place: usize| set >> place & 1 != 0;
             let answers_sync =
                 |place: usize| place >= SERVICES && is_in(synchronous, place);
-            let manner = |place| match answers_sync(place) {
-                true => Manner::AtSync,
-                false => Manner::Every,
+            let policy = |place| match answers_sync(place) {
+                true => SendPolicy::AtSync,
+                false => SendPolicy::Every,
             };
             let mut agenda = Agenda::<[Word; 2]>::new();
             let mut names = cob_ids;
             for (place, cob_id) in names.iter().enumerate() {
-                agenda.name(object(place), *cob_id, manner(place));
+                agenda.name(object(place), *cob_id, policy(place));
                 agenda.set(object(place), is_in(waiting, place));
             }
             // Who waits goes on waiting with another identifier.
             for (place, cob_id) in renamed {
-                agenda.name(object(place), cob_id, manner(place));
+                agenda.name(object(place), cob_id, policy(place));
                 names[place] = cob_id;
             }
             let sync = usize::from(Object::SYNC.0);

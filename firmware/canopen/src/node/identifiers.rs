@@ -5,7 +5,7 @@
 //! that from somebody else is the sign of a second device with its identifier.
 
 use super::Node;
-use crate::agenda::{Manner, Object};
+use crate::agenda::{Object, SendPolicy};
 use crate::cia305;
 use crate::od::Dictionary;
 use crate::wire::cob_id;
@@ -80,19 +80,19 @@ impl<D: Dictionary> Node<D> {
             true => services.sync.cob_id(),
             false => 0,
         };
-        for (object, cob_id, manner) in [
+        for (object, cob_id, policy) in [
             (
                 Object::EMERGENCY,
                 services.emergency.cob_id(),
-                Manner::Every,
+                SendPolicy::Every,
             ),
-            (Object::SYNC, sync, Manner::Newest),
-            (Object::TIME, services.time.cob_id(), Manner::Newest),
-            (Object::HEARTBEAT, error_control, Manner::Every),
-            (Object::GUARDING, error_control, Manner::Every),
-            (Object::LSS, cia305::RESPONSE_COB_ID, Manner::Every),
+            (Object::SYNC, sync, SendPolicy::Newest),
+            (Object::TIME, services.time.cob_id(), SendPolicy::Newest),
+            (Object::HEARTBEAT, error_control, SendPolicy::Every),
+            (Object::GUARDING, error_control, SendPolicy::Every),
+            (Object::LSS, cia305::RESPONSE_COB_ID, SendPolicy::Every),
         ] {
-            services.agenda.name(object, cob_id, manner);
+            services.agenda.name(object, cob_id, policy);
         }
     }
 

@@ -4,7 +4,7 @@ use super::mapping::Mapped;
 use super::multiplexed::{self, Addressing, Message, Scan};
 use super::parameters::{Communication, Parameters, TransmissionType};
 use super::record::Record;
-use crate::agenda::{Agenda, Manner, Object, Word};
+use crate::agenda::{Agenda, Object, SendPolicy, Word};
 use crate::od::{Dictionary, Slots, Unused};
 use crate::time::{Duration, Instant, NEVER, earlier, has_come};
 use crate::wire::Frame;
@@ -82,7 +82,7 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
             self.stop(agenda);
             self.event_at = NOT_RUNNING;
             self.find_watch();
-            agenda.name(self.object, self.cob_id(), self.manner());
+            agenda.name(self.object, self.cob_id(), self.policy());
         }
         is_changed
     }
@@ -104,11 +104,11 @@ impl<M: Slots<Mapped>> TransmitPdo<M> {
     }
 
     /// Multiplexed PDOs name another object each.
-    fn manner(&self) -> Manner {
+    fn policy(&self) -> SendPolicy {
         match self.addressing() {
-            Some(_) => Manner::Every,
-            None if self.is_synchronous() => Manner::AtSync,
-            None => Manner::Newest,
+            Some(_) => SendPolicy::Every,
+            None if self.is_synchronous() => SendPolicy::AtSync,
+            None => SendPolicy::Newest,
         }
     }
 

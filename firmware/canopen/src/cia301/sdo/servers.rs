@@ -4,7 +4,7 @@ use super::AbortCode;
 use super::objects::Streams;
 use super::parameters::CobIds;
 use super::server::Server;
-use crate::agenda::{Agenda, Manner, Object};
+use crate::agenda::{Agenda, Object, SendPolicy};
 use crate::od::{Counts, Dictionary, Entry, Unused};
 use crate::settings::NodeId;
 use crate::time::{Duration, Instant, NEVER, earlier};
@@ -73,7 +73,7 @@ impl<C: Counts> Servers<C> {
             };
             server.configure(cob_ids);
             server.sender = Object::answer(number.into(), pdos);
-            agenda.name(server.sender, server.response, Manner::Every);
+            agenda.name(server.sender, server.response, SendPolicy::Every);
         }
     }
 
