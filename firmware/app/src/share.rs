@@ -1,7 +1,7 @@
 //! What tasks share, behind RTIC's locks: the exchange of the drive, and the CAN controller. A lock is held for one copy, one question or one
 //! frame, and not while the device makes it.
 
-use canopen::outbox::{Mailboxes, Room};
+use canopen::outbox::{Mailbox, Mailboxes};
 use canopen::{BitRate, ControllerState, Frame, Instant};
 use cia402::{Exchange, Share};
 use rtic::Mutex;
@@ -50,8 +50,8 @@ impl<B, L: Mutex<T = B>> LockedBus<'_, L> {
 }
 
 impl<B: Mailboxes, L: Mutex<T = B>> Mailboxes for LockedBus<'_, L> {
-    fn room(&mut self, cob_id: u16) -> Room {
-        self.with(|bus| bus.room(cob_id))
+    fn mailbox_for(&mut self, cob_id: u16) -> Mailbox {
+        self.with(|bus| bus.mailbox_for(cob_id))
     }
 
     fn holds(&mut self, cob_id: u16) -> bool {

@@ -36,9 +36,9 @@ pub trait Sender {
     fn take(&mut self, next: &Pending) -> Option<Frame>;
 }
 
-/// Whether the mailboxes have room for a frame.
+/// The mailbox that a frame would get.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Room {
+pub enum Mailbox {
     /// Not before one that waits there has left: those that wait are more urgent, or one has the same identifier.
     None,
     /// A mailbox is free for it.
@@ -49,8 +49,8 @@ pub enum Room {
 
 /// The transmit mailboxes of a CAN controller. Frames with one identifier leave in the order in which they are put.
 pub trait Mailboxes {
-    /// What there is for a frame with this 11-bit identifier.
-    fn room(&mut self, cob_id: u16) -> Room;
+    /// The mailbox that a frame with this 11-bit identifier would get.
+    fn mailbox_for(&mut self, cob_id: u16) -> Mailbox;
 
     /// Whether a frame with this 11-bit identifier waits in a mailbox that one with a lower identifier may overtake.
     fn holds(&mut self, cob_id: u16) -> bool {
@@ -109,10 +109,10 @@ impl<const PLACES: usize> Outbox<PLACES> {
                 self.remove(place);
                 continue;
             }
-            match mailboxes.room(own) {
-                Room::None => return,
-                Room::InPlaceOfAnother if place.is_none() && self.is_full() => return,
-                Room::Free | Room::InPlaceOfAnother => {}
+            match mailboxes.mailbox_for(own) {
+                Mailbox::None => return,
+                Mailbox::InPlaceOfAnother if place.is_none() && self.is_full() => return,
+                Mailbox::Free | Mailbox::InPlaceOfAnother => {}
             }
             let frame = match (place, &pending) {
                 (Some(_), _) => self.remove(place),

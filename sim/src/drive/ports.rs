@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use canopen::cia305::DETECTABLE;
-use canopen::outbox::{Mailboxes, Room};
+use canopen::outbox::{Mailbox, Mailboxes};
 use canopen::{BitRate, ControllerState, Event, Frame, Instant};
 use cia402::inputs::DigitalInputs;
 use cia402::recorder::Memory;
@@ -123,8 +123,8 @@ impl Reception for Received {
 }
 
 impl Mailboxes for Controller {
-    fn room(&mut self, _: u16) -> Room {
-        Room::None
+    fn mailbox_for(&mut self, _: u16) -> Mailbox {
+        Mailbox::None
     }
 
     fn put(&mut self, frame: &Frame) -> Option<Frame> {
@@ -168,11 +168,11 @@ impl runtime::Controller for Controller {
 pub(super) struct Slot(pub(super) Option<Frame>);
 
 impl Mailboxes for Slot {
-    fn room(&mut self, _: u16) -> Room {
+    fn mailbox_for(&mut self, _: u16) -> Mailbox {
         if self.0.is_some() {
-            Room::None
+            Mailbox::None
         } else {
-            Room::Free
+            Mailbox::Free
         }
     }
 

@@ -4,7 +4,7 @@ use std::vec::Vec;
 
 use proptest::prelude::*;
 
-use super::{Mailboxes, Outbox, Pending, Room, Sender};
+use super::{Mailbox, Mailboxes, Outbox, Pending, Sender};
 use crate::Frame;
 
 /// Identifiers below are process data, those above are not.
@@ -68,13 +68,13 @@ impl Controller {
 }
 
 impl Mailboxes for Controller {
-    fn room(&mut self, cob_id: u16) -> Room {
+    fn mailbox_for(&mut self, cob_id: u16) -> Mailbox {
         if self.mailboxes.iter().any(|(waiting, _)| *waiting <= cob_id) {
-            Room::None
+            Mailbox::None
         } else if self.mailboxes.len() == 3 {
-            Room::InPlaceOfAnother
+            Mailbox::InPlaceOfAnother
         } else {
-            Room::Free
+            Mailbox::Free
         }
     }
 
@@ -84,7 +84,7 @@ impl Mailboxes for Controller {
 
     fn put(&mut self, frame: &Frame) -> Option<Frame> {
         let cob_id = frame.standard_id().unwrap();
-        assert_ne!(self.room(cob_id), Room::None, "there is no room");
+        assert_ne!(self.mailbox_for(cob_id), Mailbox::None, "there is no room");
         let back = if self.mailboxes.len() == 3 {
             let last = self.mailboxes.iter().max().copied().unwrap();
             self.mailboxes.retain(|frame| *frame != last);

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use canopen::cia301::parameters::{CHUNK, ParameterSet, ParameterSets, ParameterStore};
 use canopen::node::StoreError;
-use canopen::outbox::{Mailboxes, Room};
+use canopen::outbox::{Mailbox, Mailboxes};
 use canopen::settings::Wish;
 use canopen::{
     BitRate, BitTiming, Configuration, ControllerState, Duration, Frame, Instant, NodeId,
@@ -37,11 +37,11 @@ pub struct Bus {
 }
 
 impl Mailboxes for Bus {
-    fn room(&mut self, _: u16) -> Room {
+    fn mailbox_for(&mut self, _: u16) -> Mailbox {
         if self.mailbox.is_some() {
-            Room::None
+            Mailbox::None
         } else {
-            Room::Free
+            Mailbox::Free
         }
     }
 

@@ -1,7 +1,7 @@
 //! One pass of the node task of the whole drive, by the way that its product takes: [`cia402::Device`] and [`Outbox`].
 
 use canopen::od;
-use canopen::outbox::{Mailboxes, Room};
+use canopen::outbox::{Mailbox, Mailboxes};
 use canopen::{Duration, Frame, Instant, Outbox};
 use heapless::Vec;
 
@@ -16,8 +16,8 @@ const ANSWER: u16 = 0x580 + NODE_ID;
 struct Sent(Vec<Frame, 8>);
 
 impl Mailboxes for Sent {
-    fn room(&mut self, _: u16) -> Room {
-        Room::Free
+    fn mailbox_for(&mut self, _: u16) -> Mailbox {
+        Mailbox::Free
     }
 
     fn put(&mut self, frame: &Frame) -> Option<Frame> {

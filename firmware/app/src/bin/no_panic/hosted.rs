@@ -1,7 +1,7 @@
 //! The runtime on a host that may say and do anything.
 
 use canopen::node::StoreError;
-use canopen::outbox::{Mailboxes, Room};
+use canopen::outbox::{Mailbox, Mailboxes};
 use canopen::{BitRate, Configuration, ControllerState, Event, Frame, Instant};
 use cia402::recorder::Memory;
 use cia402::{DriveConfig, Exchange, Inputs, Outputs, Share};
@@ -113,8 +113,8 @@ impl Reception for AnyReception {
 struct AnyController;
 
 impl Mailboxes for AnyController {
-    fn room(&mut self, cob_id: u16) -> Room {
-        AnyMailboxes.room(cob_id)
+    fn mailbox_for(&mut self, cob_id: u16) -> Mailbox {
+        AnyMailboxes.mailbox_for(cob_id)
     }
 
     fn put(&mut self, frame: &Frame) -> Option<Frame> {

@@ -2,7 +2,7 @@
 
 use canopen::cia301::parameters::{ParameterSet, ParameterSets, ParameterStore, CHUNK};
 use canopen::node::StoreError;
-use canopen::outbox::{Mailboxes, Room};
+use canopen::outbox::{Mailbox, Mailboxes};
 use canopen::Frame;
 
 use super::{any, any_frame, any_result, look};
@@ -54,12 +54,12 @@ impl ParameterStore for AnyStore {
 pub struct AnyMailboxes;
 
 impl Mailboxes for AnyMailboxes {
-    fn room(&mut self, cob_id: u16) -> Room {
+    fn mailbox_for(&mut self, cob_id: u16) -> Mailbox {
         look(cob_id.into());
         match any() {
-            0 => Room::None,
-            1 => Room::Free,
-            _ => Room::InPlaceOfAnother,
+            0 => Mailbox::None,
+            1 => Mailbox::Free,
+            _ => Mailbox::InPlaceOfAnother,
         }
     }
 

@@ -8,7 +8,7 @@
 //!   acknowledge, go to itself only. It shows the last error it saw, or that the last frame was whole.
 //! - Nothing waits for a register without an end.
 
-use canopen::outbox::{Mailboxes, Room};
+use canopen::outbox::{Mailbox, Mailboxes};
 use canopen::{BitRate, ControllerState, Frame};
 use stm32f4xx_hal::gpio::{Alternate, PB8, PB9};
 use stm32f4xx_hal::pac;
@@ -137,8 +137,8 @@ impl Controller {
 }
 
 impl Mailboxes for Controller {
-    fn room(&mut self, cob_id: u16) -> Room {
-        self.transmission.room(&self.can, cob_id)
+    fn mailbox_for(&mut self, cob_id: u16) -> Mailbox {
+        self.transmission.mailbox_for(&self.can, cob_id)
     }
 
     fn holds(&mut self, cob_id: u16) -> bool {

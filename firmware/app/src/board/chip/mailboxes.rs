@@ -6,7 +6,7 @@
 //! that. A frame that is on the bus already leaves; one that was withdrawn waits until the next mailbox is free. So nothing is lost, an urgent
 //! frame never waits behind three others, and nobody waits for the controller.
 
-use canopen::outbox::Room;
+use canopen::outbox::Mailbox;
 use canopen::Frame;
 use embedded_can::{ExtendedId, Frame as _, Id, StandardId};
 use stm32f4xx_hal::pac::CAN1;
@@ -41,18 +41,18 @@ impl Transmission {
     }
 
     /// What there is for a frame with this identifier.
-    pub fn room(&self, can: &CAN1, cob_id: u16) -> Room {
+    pub fn mailbox_for(&self, can: &CAN1, cob_id: u16) -> Mailbox {
         if self.urgent.is_some() || self.withdrawn.is_some() {
             // An interrupt comes first.
-            return Room::None;
+            return Mailbox::None;
         }
         let waiting = waiting(can);
         if waiting.iter().flatten().any(|id| *id <= cob_id) {
-            Room::None
+            Mailbox::None
         } else if waiting.iter().all(Option::is_some) {
-            Room::InPlaceOfAnother
+            Mailbox::InPlaceOfAnother
         } else {
-            Room::Free
+            Mailbox::Free
         }
     }
 

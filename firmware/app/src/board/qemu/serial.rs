@@ -4,7 +4,7 @@
 //! fast as the host can send; when the inbox is full the receive interrupt is switched off and the byte stays where it
 //! is, which holds up the sender.
 
-use canopen::outbox::{Mailboxes, Room};
+use canopen::outbox::{Mailbox, Mailboxes};
 use canopen::{BitRate, ControllerState, Frame};
 use cortex_m::peripheral::NVIC;
 use slcan::{Channel, Decoder};
@@ -42,8 +42,8 @@ impl SerialBus {
 }
 
 impl Mailboxes for SerialBus {
-    fn room(&mut self, _cob_id: u16) -> Room {
-        Room::Free
+    fn mailbox_for(&mut self, _cob_id: u16) -> Mailbox {
+        Mailbox::Free
     }
 
     fn put(&mut self, frame: &Frame) -> Option<Frame> {
