@@ -18,12 +18,12 @@ const TOLD: [u16; 5] = [WARM, FOLLOWING_ERROR, IDLE, RESTLESS, UNDERSHOT];
 
 /// Errors that come and go without a fault.
 #[derive(Debug, Default)]
-pub(super) struct Told {
+pub(super) struct Warnings {
     stands: u8,
     told: u8,
 }
 
-impl Told {
+impl Warnings {
     /// Whether this error stands.
     pub(super) fn set(&mut self, code: u16, stands: bool) {
         let mut bit = 1;
@@ -37,7 +37,7 @@ impl Told {
     }
 
     /// The next one to be told of.
-    pub(super) fn news(&mut self) -> Option<(u16, bool)> {
+    pub(super) fn next_change(&mut self) -> Option<(u16, bool)> {
         let changed = self.stands ^ self.told;
         let bit = changed & changed.wrapping_neg();
         self.told ^= bit;
@@ -64,9 +64,9 @@ pub(super) struct Plausibility {
 
 impl Plausibility {
     /// The motor has no power.
-    pub(super) fn forget(&mut self, told: &mut Told) {
+    pub(super) fn forget(&mut self, warnings: &mut Warnings) {
         for code in [IDLE, RESTLESS, UNDERSHOT] {
-            told.set(code, false);
+            warnings.set(code, false);
         }
         self.at = 0;
     }
@@ -77,7 +77,7 @@ impl Plausibility {
         at: u64,
         (demand, actual): (i32, i32),
         is_moving: bool,
-        told: &mut Told,
+        warnings: &mut Warnings,
     ) -> bool {
         let is_first = self.at == 0;
         if !is_first && at.saturating_sub(self.at) < PERIOD {
@@ -90,11 +90,11 @@ impl Plausibility {
             return false;
         }
         let is_idle = wanted >= MOTION && way < wanted / 8;
-        told.set(IDLE, is_idle);
+        warnings.set(IDLE, is_idle);
         let stands = wanted == 0 && !is_moving;
-        told.set(RESTLESS, stands && !self.has_moved && way >= MOTION);
+        warnings.set(RESTLESS, stands && !self.has_moved && way >= MOTION);
         if !stands || self.has_moved {
-            told.set(UNDERSHOT, stands && demand.abs_diff(actual) >= MOTION);
+            warnings.set(UNDERSHOT, stands && demand.abs_diff(actual) >= MOTION);
         }
         self.has_moved = !stands;
         is_idle

@@ -7,7 +7,7 @@
 
 use canopen::od::Dictionary;
 use cia402::behaviour::{number, put_number};
-use cia402::loops::{ServoSettings, StepperSettings, Told};
+use cia402::loops::{LoopReport, ServoSettings, StepperSettings};
 
 /// Objects of our own: the fastest that the motor may turn.
 const FASTEST: u16 = 0x5F0A;
@@ -63,13 +63,13 @@ impl Hmt {
     pub(super) fn loops<D: Dictionary>(
         &mut self,
         dictionary: &mut D,
-        told: &Told,
+        report: &LoopReport,
         settings: &mut ServoSettings,
     ) {
         self.is_there = true;
         let is_enabled = self.is_enabled(dictionary);
-        self.is_limited = told.is_limited && told.is_on;
-        let intervenes = is_enabled && self.is_limited && told.lead > 100;
+        self.is_limited = report.is_limited && report.is_on;
+        let intervenes = is_enabled && self.is_limited && report.lead > 100;
         let status = IS_ALIGNED
             | if self.is_locked {
                 IS_LOCKED | HAS_FAILED

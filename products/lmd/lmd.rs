@@ -14,14 +14,14 @@ mod trip;
 use canopen::Instant;
 use canopen::cia301::sdo::AbortCode;
 use canopen::od::{Dictionary, Entry};
-use cia402::behaviour::{Asks, Behaviour, View, number, put_number};
+use cia402::behaviour::{Behaviour, Requests, View, number, put_number};
 use cia402::commands::Commands;
 use cia402::controlword::{CHANGE_IMMEDIATELY, NEW_SET_POINT, RELATIVE};
 use cia402::loops::{self, Request, ServoSettings};
 use cia402::units::Units;
 use cia402::{Objects, State};
 
-use errors::{FOLLOWING_ERROR, HOT, Plausibility, Told, WARM};
+use errors::{FOLLOWING_ERROR, HOT, Plausibility, WARM, Warnings};
 use following::Following;
 use hmt::Hmt;
 use inhibit::Inhibit;
@@ -63,9 +63,9 @@ pub struct Module {
     trip: Trip,
     limits: Limits,
     following: Following,
-    told: Told,
+    warnings: Warnings,
     plausibility: Plausibility,
-    asks: Asks,
+    requests: Requests,
     statusword: u16,
     position: i32,
     is_enabled: bool,
@@ -131,7 +131,7 @@ impl Module {
         self.limits.set_up(dictionary);
         self.following.set_up(dictionary);
         self.hmt.limit(dictionary);
-        self.asks.configuration = true;
+        self.requests.configuration = true;
     }
 
     /// The reading of the analogue input, filtered if it is to be.
@@ -153,7 +153,7 @@ impl Module {
         let temperature = number(dictionary, 0x2019, 1);
         put_number(dictionary, 0x2018, 1, temperature);
         let is_warm = temperature >= number(dictionary, 0x2018, 2);
-        self.told.set(WARM, is_warm);
+        self.warnings.set(WARM, is_warm);
         self.is_hot = temperature >= number(dictionary, 0x2018, 3).min(HOTTEST);
     }
 
@@ -173,12 +173,12 @@ impl Module {
         let actuals = view.actuals;
         // A motor that is moved by its current has its lead and its locked rotor.
         if !self.is_enabled || self.hmt.is_there() {
-            self.plausibility.forget(&mut self.told);
+            self.plausibility.forget(&mut self.warnings);
         } else if self.plausibility.look(
             view.at.ticks(),
             (actuals.position_demand, actuals.position_actual),
             actuals.is_moving,
-            &mut self.told,
+            &mut self.warnings,
         ) && !self.is_stopped
         {
             self.is_stopped = true;
@@ -269,7 +269,8 @@ impl Module {
             self.inhibit.fault()
         };
         let is_new = fault != core::mem::replace(&mut self.fault, fault);
-        self.asks.commands |= is_changed || has_tripped || is_new || follows || self.is_disabled;
+        self.requests.commands |=
+            is_changed || has_tripped || is_new || follows || self.is_disabled;
     }
 
     /// 2712h: what a following error leads to.
@@ -280,7 +281,7 @@ impl Module {
         }
         self.is_behind = is_behind;
         let code = number(dictionary, 0x2712, 0);
-        self.told.set(FOLLOWING_ERROR, is_behind && code == 4);
+        self.warnings.set(FOLLOWING_ERROR, is_behind && code == 4);
         self.is_disabled |= is_behind && matches!(code, 2 | 4);
     }
 }
@@ -331,14 +332,14 @@ impl Behaviour for Module {
                 | 0x607C | 0x6098,
                 _,
             ) => self.set_up(dictionary),
-            (0x2704 | 0x6060, _) => self.asks.configuration |= self.hmt.limit(dictionary),
+            (0x2704 | 0x6060, _) => self.requests.configuration |= self.hmt.limit(dictionary),
             (0x2740, _) => self.hmt.clear(dictionary),
             // All ones clear it.
             (0x2033, 2) => put_number(dictionary, 0x2033, 2, 0),
             (0x2031 | 0x2038, _) => {
                 let has_trip = number(dictionary, 0x2031, 0) & HAS_TRIP != 0;
                 self.trip.set_up(dictionary, has_trip);
-                self.asks.commands = true;
+                self.requests.commands = true;
             }
             _ => {}
         }
@@ -378,15 +379,15 @@ impl Behaviour for Module {
     fn loops<D: Dictionary + Objects>(
         &mut self,
         dictionary: &mut D,
-        told: &loops::Told,
+        report: &loops::LoopReport,
         settings: &mut ServoSettings,
     ) -> Option<Request> {
-        self.hmt.loops(dictionary, told, settings);
+        self.hmt.loops(dictionary, report, settings);
         None
     }
 
-    fn asks(&mut self) -> Asks {
-        self.asks.error = self.told.news();
-        core::mem::take(&mut self.asks)
+    fn take_requests(&mut self) -> Requests {
+        self.requests.error = self.warnings.next_change();
+        core::mem::take(&mut self.requests)
     }
 }

@@ -8,7 +8,7 @@
 
 use canopen::od::Dictionary;
 use cia402::behaviour::{number, put_number};
-use cia402::loops::{Request, ServoSettings, StepperSettings, Told};
+use cia402::loops::{LoopReport, Request, ServoSettings, StepperSettings};
 
 /// Objects of our own: what thousandths are of, in mA and mNm, and how many of them there may be.
 const RATED_CURRENT: u16 = 0x5F08;
@@ -96,15 +96,15 @@ impl ClosedLoop {
     pub(super) fn loops<D: Dictionary>(
         &mut self,
         dictionary: &mut D,
-        told: &Told,
+        report: &LoopReport,
         settings: &mut ServoSettings,
     ) -> Option<Request> {
         self.is_there = true;
-        self.rated = told.rated_current.into();
-        self.look_for_index(told);
-        self.take_result(dictionary, told);
+        self.rated = report.rated_current.into();
+        self.look_for_index(report);
+        self.take_result(dictionary, report);
         self.switch(dictionary);
-        self.show(dictionary, told);
+        self.show(dictionary, report);
         let pairs = number(dictionary, 0x2006, 0);
         let pairs = *self.pole_pairs.get_or_insert(pairs);
         // A motor without brushes has the pole pairs of the axis.
@@ -112,9 +112,9 @@ impl ClosedLoop {
         settings.pole_pairs = if is_stepper { word(pairs) } else { 0 };
         settings.offset = word(number(dictionary, 0x200B, 0));
         settings.is_turned = number(dictionary, 0x200D, 0) == 1;
-        settings.lead = lead(dictionary, told);
-        settings.gains = self.gains(dictionary, told);
-        (settings.share, settings.learning) = current_gains(dictionary, told);
+        settings.lead = lead(dictionary, report);
+        settings.gains = self.gains(dictionary, report);
+        (settings.share, settings.learning) = current_gains(dictionary, report);
         settings.stepper = self.stepper(dictionary);
         self.wait = self.wait.saturating_sub(1);
         if self.wait > 0 {
@@ -123,20 +123,20 @@ impl ClosedLoop {
         self.request.take()
     }
 
-    fn look_for_index(&mut self, told: &Told) {
-        let (low, high) = self.seen.unwrap_or((told.counts, told.counts));
-        let seen = (low.min(told.counts), high.max(told.counts));
+    fn look_for_index(&mut self, report: &LoopReport) {
+        let (low, high) = self.seen.unwrap_or((report.counts, report.counts));
+        let seen = (low.min(report.counts), high.max(report.counts));
         self.seen = Some(seen);
-        self.is_found |= seen.1 - seen.0 >= i64::from(told.counts_of_turn);
+        self.is_found |= seen.1 - seen.0 >= i64::from(report.counts_of_turn);
     }
 
     /// A test run is over.
-    fn take_result<D: Dictionary>(&mut self, dictionary: &mut D, told: &Told) {
-        if self.run == 0 || self.request.is_some() || !told.found.has_ended() || self.is_aligned {
+    fn take_result<D: Dictionary>(&mut self, dictionary: &mut D, report: &LoopReport) {
+        if self.run == 0 || self.request.is_some() || !report.found.has_ended() || self.is_aligned {
             return;
         }
-        if told.found.failure == 0 {
-            let offset = told.found.angle.wrapping_sub(told.zero);
+        if report.found.failure == 0 {
+            let offset = report.found.angle.wrapping_sub(report.zero);
             put_number(dictionary, 0x200B, 0, offset.into());
             self.is_aligned = true;
             if self.run == TEST_RUN {
@@ -161,10 +161,10 @@ impl ClosedLoop {
         };
     }
 
-    fn show<D: Dictionary>(&mut self, dictionary: &mut D, told: &Told) {
+    fn show<D: Dictionary>(&mut self, dictionary: &mut D, report: &LoopReport) {
         put_number(dictionary, 0x200A, 0, i64::from(self.is_on));
         // 8192 is 1000/min.
-        let speed = i64::from(told.speed).abs() * 8_192 / 1_000_000;
+        let speed = i64::from(report.speed).abs() * 8_192 / 1_000_000;
         self.cascades = if self.cascades {
             speed >= number(dictionary, 0x2004, 10)
         } else {
@@ -183,14 +183,14 @@ impl ClosedLoop {
     }
 
     /// What thousandths of current and torque are of, and how many there may be. Returns whether that is new.
-    pub(super) fn limit<D: Dictionary>(&mut self, dictionary: &mut D, told: &Told) -> bool {
+    pub(super) fn limit<D: Dictionary>(&mut self, dictionary: &mut D, report: &LoopReport) -> bool {
         let whole = number(dictionary, 0x2004, 1).max(1);
         let block = number(dictionary, 0x2004, 4);
         let peak = number(dictionary, 0x2004, 13);
         let is_homing = number(dictionary, 0x6061, 0) == HOMING
             && matches!(number(dictionary, 0x6098, 0), -3 | -2);
         let milliamperes = whole * PERCENT;
-        let flows = i64::from(told.current.1).abs();
+        let flows = i64::from(report.current.1).abs();
         let has_peak = number(dictionary, 0x2004, 7) != 0 && peak > whole;
         let time = number(dictionary, 0x2004, 14);
         let is_above = flows > milliamperes + milliamperes / 50;
@@ -206,7 +206,7 @@ impl ClosedLoop {
             (false, true) => peak,
             (false, false) => whole,
         };
-        let torque = milliamperes * i64::from(told.torque_constant) / 1_000_000;
+        let torque = milliamperes * i64::from(report.torque_constant) / 1_000_000;
         let mut is_new = false;
         for (index, value) in [
             (RATED_CURRENT, milliamperes),
@@ -221,13 +221,13 @@ impl ClosedLoop {
     }
 
     /// Speed, integral and position: 2002h, or its cascade.
-    fn gains<D: Dictionary>(&self, dictionary: &D, told: &Told) -> [u16; 3] {
+    fn gains<D: Dictionary>(&self, dictionary: &D, report: &LoopReport) -> [u16; 3] {
         let gain = |sub: u8| {
             let power = number(dictionary, 0x2002, sub + 1).clamp(0, 16);
             number(dictionary, 0x2002, sub) << 16 >> power
         };
         // Numerators of the gains, and those of the defaults, in parts of 2¹⁶.
-        let [own_velocity, own_integral, own_position] = told.own_gains;
+        let [own_velocity, own_integral, own_position] = report.own_gains;
         let of = |own: u16, (gain, whole): (i64, i64)| {
             word((i64::from(own) * gain / whole).clamp(1, 10_000))
         };
@@ -288,20 +288,23 @@ fn word(number: i64) -> u16 {
 }
 
 /// KP and KI of 200Eh at the present speed: ten of each are what the axis has, and each 1000/min adds a tenth of their scale.
-fn current_gains<D: Dictionary>(dictionary: &D, told: &Told) -> (u16, u16) {
-    let speed = i64::from(told.speed).abs() / 1_000;
+fn current_gains<D: Dictionary>(dictionary: &D, report: &LoopReport) -> (u16, u16) {
+    let speed = i64::from(report.speed).abs() / 1_000;
     let of = |sub: u8, own: u16, most: i64| {
         let added = number(dictionary, 0x200E, sub + 1).saturating_mul(speed) / 10_000;
         let gain = number(dictionary, 0x200E, sub) + added;
         word((i64::from(own) * gain / 10).clamp(1, most))
     };
-    (of(2, told.own_share, 990), of(5, told.own_learning, 490))
+    (
+        of(2, report.own_share, 990),
+        of(5, report.own_learning, 490),
+    )
 }
 
 /// How much more than a quarter of an electrical turn the current leads: 200Ch at the present speed, even between its points.
-fn lead<D: Dictionary>(dictionary: &D, told: &Told) -> i16 {
+fn lead<D: Dictionary>(dictionary: &D, report: &LoopReport) -> i16 {
     let spacing = number(dictionary, 0x2004, 8).max(1);
-    let speed = i64::from(told.speed).abs() * 8_192 / 1_000_000;
+    let speed = i64::from(report.speed).abs() * 8_192 / 1_000_000;
     let place = (speed / spacing).min(5);
     let rest = (speed - place * spacing).min(spacing);
     let sub = u8::try_from(place).unwrap_or(0) + 1;
@@ -312,5 +315,5 @@ fn lead<D: Dictionary>(dictionary: &D, told: &Told) -> i16 {
     let angle = from + (to - from) * rest / spacing - QUARTER;
     let angle = i16::try_from(angle).unwrap_or(0);
     // Against the torque where that is negative.
-    if told.current.1 < 0 { -angle } else { angle }
+    if report.current.1 < 0 { -angle } else { angle }
 }

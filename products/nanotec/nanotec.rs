@@ -7,9 +7,9 @@ mod inputs;
 use canopen::Instant;
 use canopen::cia301::sdo::AbortCode;
 use canopen::od::{self, Dictionary, Entry};
-use cia402::behaviour::{Asks, Behaviour, View, number, put_number};
+use cia402::behaviour::{Behaviour, Requests, View, number, put_number};
 use cia402::commands::Commands;
-use cia402::loops::{Request, ServoSettings, Told};
+use cia402::loops::{LoopReport, Request, ServoSettings};
 use cia402::units::Units;
 use cia402::{Objects, State};
 
@@ -47,7 +47,7 @@ const HOMING: i8 = 6;
 #[derive(Debug)]
 pub struct Module {
     closed_loop: ClosedLoop,
-    asks: Asks,
+    requests: Requests,
     is_enabled: bool,
     /// Since when operation is enabled, and since when the motor stands.
     enabled: Instant,
@@ -70,7 +70,7 @@ impl Default for Module {
     fn default() -> Self {
         Self {
             closed_loop: ClosedLoop::default(),
-            asks: Asks::default(),
+            requests: Requests::default(),
             is_enabled: false,
             enabled: Instant::from_ticks(0),
             stands: None,
@@ -119,7 +119,7 @@ impl Module {
             put_number(dictionary, index, 0, (own & 1) * function);
             own >>= 1;
         }
-        self.asks.configuration = true;
+        self.requests.configuration = true;
     }
 
     /// The drive has published what it does.
@@ -138,7 +138,7 @@ impl Module {
         }
         let waits = self.is_enabled && self.since(self.enabled) < release_time;
         // The mode that was asked for meanwhile is taken behind it.
-        self.asks.commands |= self.waits && !waits;
+        self.requests.commands |= self.waits && !waits;
         self.waits = waits;
         if !waits {
             self.mode = actuals.mode_display;
@@ -207,7 +207,7 @@ impl Behaviour for Module {
             0x2004 | 0x6060 | 0x6065..=0x6067 | 0x6085 | 0x6098 | 0x60FE => {
                 self.set_up(dictionary);
             }
-            0x2010 => self.asks.commands = true,
+            0x2010 => self.requests.commands = true,
             _ => {}
         }
     }
@@ -247,15 +247,15 @@ impl Behaviour for Module {
     fn loops<D: Dictionary + Objects>(
         &mut self,
         dictionary: &mut D,
-        told: &Told,
+        report: &LoopReport,
         settings: &mut ServoSettings,
     ) -> Option<Request> {
-        let request = self.closed_loop.loops(dictionary, told, settings);
-        self.asks.configuration |= self.closed_loop.limit(dictionary, told);
+        let request = self.closed_loop.loops(dictionary, report, settings);
+        self.requests.configuration |= self.closed_loop.limit(dictionary, report);
         request
     }
 
-    fn asks(&mut self) -> Asks {
-        core::mem::take(&mut self.asks)
+    fn take_requests(&mut self) -> Requests {
+        core::mem::take(&mut self.requests)
     }
 }

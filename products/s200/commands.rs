@@ -4,7 +4,7 @@ use canopen::cia301::nmt::NmtState;
 use canopen::cia301::sdo::AbortCode;
 use canopen::od::{Dictionary, Entry};
 use canopen::{Duration, Instant};
-use cia402::behaviour::{Asks, number, put_number};
+use cia402::behaviour::{Requests, number, put_number};
 use cia402::commands::Commands;
 use cia402::controlword::{FAULT_RESET, NEW_SET_POINT};
 
@@ -102,7 +102,7 @@ impl Orders {
         dictionary: &mut D,
         entry: &Entry,
         seen: &Seen,
-        asks: &mut Asks,
+        requests: &mut Requests,
     ) {
         match (entry.index, entry.sub) {
             (0x35EA, 1) => self.is_disabled = true,
@@ -111,11 +111,11 @@ impl Orders {
             (0x35F0, 1) => {
                 self.method = Some(number(dictionary, 0x6098, 0));
                 put_number(dictionary, 0x6098, 0, 35);
-                asks.configuration = true;
+                requests.configuration = true;
                 self.homing = Homing::Ordered;
             }
-            (0x4000, 4) => asks.order = Some((0x1011, 1)),
-            (0x4000, 5) => asks.order = Some((0x1010, 1)),
+            (0x4000, 4) => requests.order = Some((0x1011, 1)),
+            (0x4000, 5) => requests.order = Some((0x1010, 1)),
             (0x4000, 6 | 7) => self.start_anew(seen),
             _ => return,
         }
@@ -123,7 +123,7 @@ impl Orders {
             self.is_busy = true;
             put_number(dictionary, 0x4000, 1, 1);
         }
-        asks.commands = true;
+        requests.commands = true;
     }
 
     /// Whether a command has begun homing and it goes on.
@@ -156,7 +156,7 @@ impl Orders {
         &mut self,
         dictionary: &mut D,
         seen: &Seen,
-        asks: &mut Asks,
+        requests: &mut Requests,
     ) -> bool {
         if self.is_busy {
             self.is_busy = seen.is_storing || self.cold_start.is_some();
@@ -164,7 +164,7 @@ impl Orders {
         }
         if self.cold_start.is_some_and(|at| seen.at >= at) {
             self.cold_start = None;
-            asks.reset = true;
+            requests.reset = true;
         }
         let before = self.homing;
         match self.homing {
@@ -176,7 +176,7 @@ impl Orders {
                 self.homing = Homing::None;
                 if let Some(method) = self.method.take() {
                     put_number(dictionary, 0x6098, 0, method);
-                    asks.configuration = true;
+                    requests.configuration = true;
                 }
             }
             Homing::Begun(_) => {}

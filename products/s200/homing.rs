@@ -8,7 +8,7 @@
 
 use canopen::cia301::sdo::AbortCode;
 use canopen::od::{Dictionary, Entry};
-use cia402::behaviour::{Asks, number, put_number};
+use cia402::behaviour::{Requests, number, put_number};
 
 use super::Seen;
 
@@ -61,7 +61,7 @@ impl Reference {
         &mut self,
         dictionary: &mut D,
         seen: &Seen,
-        asks: &mut Asks,
+        requests: &mut Requests,
     ) {
         if self.method.is_some() || self.offset.is_some() {
             return;
@@ -81,7 +81,7 @@ impl Reference {
         if method != own {
             self.method = Some(own);
             put_number(dictionary, 0x6098, 0, method);
-            asks.configuration = true;
+            requests.configuration = true;
         }
         let shift = if ZEROING.contains(&method) {
             number(dictionary, 0x3537, 1)
@@ -93,7 +93,7 @@ impl Reference {
         if shift != 0 {
             let offset = number(dictionary, 0x607C, 0);
             self.offset = Some(offset);
-            asks.write = Some((0x607C, 0, offset.saturating_add(shift)));
+            requests.write = Some((0x607C, 0, offset.saturating_add(shift)));
         }
     }
 
@@ -103,7 +103,7 @@ impl Reference {
         dictionary: &mut D,
         seen: &Seen,
         is_ordered: bool,
-        asks: &mut Asks,
+        requests: &mut Requests,
     ) {
         if self.method.is_none() && self.offset.is_none() {
             return;
@@ -115,10 +115,10 @@ impl Reference {
         }
         if let Some(method) = self.method.take() {
             put_number(dictionary, 0x6098, 0, method);
-            asks.configuration = true;
+            requests.configuration = true;
         }
         if let Some(offset) = self.offset.take() {
-            asks.write = Some((0x607C, 0, offset));
+            requests.write = Some((0x607C, 0, offset));
         }
     }
 }

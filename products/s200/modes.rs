@@ -8,7 +8,7 @@
 use canopen::cia301::sdo::AbortCode;
 use canopen::od::{Dictionary, Entry};
 use cia402::Command;
-use cia402::behaviour::{Asks, number, put_number};
+use cia402::behaviour::{Requests, number, put_number};
 use cia402::behaviour::{SignedSpeed, Speed};
 use cia402::commands::Commands;
 use cia402::units::Units;
@@ -125,7 +125,7 @@ impl Modes {
         dictionary: &mut D,
         entry: &Entry,
         seen: &Seen,
-        asks: &mut Asks,
+        requests: &mut Requests,
     ) {
         let value = number(dictionary, entry.index, entry.sub);
         match (entry.index, entry.sub) {
@@ -145,7 +145,7 @@ impl Modes {
             (0x6040, _) if seen.is_enabled && self.jog == Jog::Runs => self.stop(),
             _ => return,
         }
-        asks.configuration = true;
+        requests.configuration = true;
     }
 
     /// STOP, or a controlword.

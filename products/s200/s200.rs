@@ -22,10 +22,10 @@ use canopen::Instant;
 use canopen::cia301::nmt::NmtState;
 use canopen::cia301::sdo::AbortCode;
 use canopen::od::{self, Dictionary, Entry};
-use cia402::behaviour::{Asks, Behaviour, View, number, put_number};
+use cia402::behaviour::{Behaviour, Requests, View, number, put_number};
 use cia402::commands::Commands;
 use cia402::controlword::{CHANGE_IMMEDIATELY, NEW_SET_POINT};
-use cia402::loops::{Request, ServoSettings, Told};
+use cia402::loops::{LoopReport, Request, ServoSettings};
 use cia402::units::Units;
 use cia402::{Objects, State};
 
@@ -135,7 +135,7 @@ pub struct Module {
     units: Option<Units>,
     servo: Servo,
     status: Status,
-    asks: Asks,
+    requests: Requests,
     /// Power-on values are loaded, and the stored ones may not be yet.
     is_starting: bool,
 }
@@ -148,14 +148,14 @@ impl Module {
             Ok(()) => self.tell(None),
             Err(why) => self.tell(Some(why)),
         }
-        self.asks.commands = true;
+        self.requests.commands = true;
     }
 
     /// STOP.
     fn stop(&mut self) {
         self.tasks.stop();
         self.modes.stop();
-        self.asks.commands = true;
+        self.requests.commands = true;
     }
 
     /// n08 and n09, and the emergency message of an invalid number.
@@ -163,8 +163,8 @@ impl Module {
         const INVALID_TASK: u16 = 0x8681;
         let was_told = self.status.faulty == Some(Faulty::Task);
         match (was_told, why == Some(Faulty::Task)) {
-            (false, true) => self.asks.error = Some((INVALID_TASK, true)),
-            (true, false) => self.asks.error = Some((INVALID_TASK, false)),
+            (false, true) => self.requests.error = Some((INVALID_TASK, true)),
+            (true, false) => self.requests.error = Some((INVALID_TASK, false)),
             _ => {}
         }
         self.status.faulty = why;
@@ -182,7 +182,8 @@ impl Module {
             }
         }
         if self.seen.is_enabled && self.seen.mode == 6 && rises & NEW_SET_POINT != 0 {
-            self.reference.begin(dictionary, &self.seen, &mut self.asks);
+            self.reference
+                .begin(dictionary, &self.seen, &mut self.requests);
         }
         if !self.seen.is_enabled || rises & NEW_SET_POINT == 0 {
             return;
@@ -251,7 +252,8 @@ impl Behaviour for Module {
             }
             (0x36D8, 1) => access::written(dictionary, &mut self.password, self.is_starting),
             (0x358D, 1) => {
-                self.reference.begin(dictionary, &self.seen, &mut self.asks);
+                self.reference
+                    .begin(dictionary, &self.seen, &mut self.requests);
             }
             (0x3642, 1) => {
                 let task = u16::try_from(number(dictionary, 0x3642, 1)).unwrap_or(0);
@@ -263,7 +265,7 @@ impl Behaviour for Module {
                 let [f0, f1, t0, t1] = (number(dictionary, 0x2082, 0) as u32).to_le_bytes();
                 let (from, to) = (u16::from_le_bytes([f0, f1]), u16::from_le_bytes([t0, t1]));
                 self.tasks.copy(dictionary, from, to);
-                self.asks.configuration |= to == 0;
+                self.requests.configuration |= to == 0;
             }
             (0x2083, 0) => self.tasks.forget_flash(dictionary),
             (0x4000, 2) => {
@@ -279,18 +281,19 @@ impl Behaviour for Module {
             Some(Call::Stop) => self.stop(),
             _ => {}
         }
-        self.asks.configuration |= supply::written(dictionary, entry);
-        self.asks.configuration |= homing::written(dictionary, entry);
-        self.asks.configuration |= limits::written(dictionary, entry);
-        self.asks.configuration |= units::written(dictionary, entry);
+        self.requests.configuration |= supply::written(dictionary, entry);
+        self.requests.configuration |= homing::written(dictionary, entry);
+        self.requests.configuration |= limits::written(dictionary, entry);
+        self.requests.configuration |= units::written(dictionary, entry);
         let seen = self.seen;
         self.orders
-            .written(dictionary, entry, &seen, &mut self.asks);
-        self.modes.written(dictionary, entry, &seen, &mut self.asks);
+            .written(dictionary, entry, &seen, &mut self.requests);
+        self.modes
+            .written(dictionary, entry, &seen, &mut self.requests);
         gearing::written(dictionary, entry);
         self.prompt.written(dictionary, entry);
         if self.servo.written(dictionary, entry) {
-            self.asks.configuration = true;
+            self.requests.configuration = true;
         }
         self.status.written(entry);
     }
@@ -318,32 +321,32 @@ impl Behaviour for Module {
         let before = core::mem::replace(&mut self.seen, seen);
         if self.is_starting && seen.state != NmtState::Initialisation {
             self.is_starting = false;
-            self.asks.configuration |= modes::begin(dictionary);
+            self.requests.configuration |= modes::begin(dictionary);
             self.enable.begin(dictionary);
             self.servo.limit(dictionary);
             Servo::limit_speed(dictionary);
-            self.asks.configuration = true;
+            self.requests.configuration = true;
         }
         let elapsed = seen.ticked.checked_duration_since(before.ticked);
         let elapsed = elapsed.and_then(|elapsed| u32::try_from(elapsed.ticks()).ok());
         let elapsed = elapsed.unwrap_or(u32::MAX);
         if before.ticked < seen.ticked {
-            self.asks.commands |= self.tasks.tick(dictionary, &seen);
-            self.asks.commands |= self.modes.tick(dictionary, &seen);
-            self.asks.commands |= self.gearing.tick(dictionary, &seen, elapsed);
-            self.asks.commands |= self.servo.tick(dictionary);
-            self.asks.commands |= self.orders.tick(dictionary, &seen, &mut self.asks);
+            self.requests.commands |= self.tasks.tick(dictionary, &seen);
+            self.requests.commands |= self.modes.tick(dictionary, &seen);
+            self.requests.commands |= self.gearing.tick(dictionary, &seen, elapsed);
+            self.requests.commands |= self.servo.tick(dictionary);
+            self.requests.commands |= self.orders.tick(dictionary, &seen, &mut self.requests);
             units::show(dictionary, &seen);
-            self.asks.commands |= self.enable.tick(dictionary, &seen);
-            self.asks.commands |= self.registers.tick(dictionary, &seen);
+            self.requests.commands |= self.enable.tick(dictionary, &seen);
+            self.requests.commands |= self.registers.tick(dictionary, &seen);
             self.supply.tick(dictionary, &seen, elapsed);
             let is_homing = self.orders.is_homing();
             self.reference
-                .tick(dictionary, &seen, is_homing, &mut self.asks);
+                .tick(dictionary, &seen, is_homing, &mut self.requests);
             let begins = seen.is_enabled && !before.is_enabled && !seen.is_referenced;
             if begins && number(dictionary, 0x36D7, 1) == 1 {
                 self.orders.home();
-                self.reference.begin(dictionary, &seen, &mut self.asks);
+                self.reference.begin(dictionary, &seen, &mut self.requests);
             }
             // NREFMT: a task behind homing.
             let is_home = |seen: &Seen| seen.mode == 6 && seen.statusword & 0x1400 == 0x1400;
@@ -364,7 +367,7 @@ impl Behaviour for Module {
             registers: self.registers.state,
             elapsed,
         };
-        self.asks.commands |= self.status.show(dictionary, &seen, &found);
+        self.requests.commands |= self.status.show(dictionary, &seen, &found);
     }
 
     fn command<D: Dictionary + Objects>(
@@ -392,20 +395,20 @@ impl Behaviour for Module {
     fn loops<D: Dictionary + Objects>(
         &mut self,
         dictionary: &mut D,
-        told: &Told,
+        report: &LoopReport,
         settings: &mut ServoSettings,
     ) -> Option<Request> {
-        let request = self.servo.loops(dictionary, told, settings);
-        self.asks.commands |= self.servo.fault().is_some();
+        let request = self.servo.loops(dictionary, report, settings);
+        self.requests.commands |= self.servo.fault().is_some();
         request
     }
 
-    fn asks(&mut self) -> Asks {
-        let mut asks = core::mem::take(&mut self.asks);
+    fn take_requests(&mut self) -> Requests {
+        let mut requests = core::mem::take(&mut self.requests);
         // One write at a time.
-        if asks.write.is_none() {
-            asks.write = self.prompt.order();
+        if requests.write.is_none() {
+            requests.write = self.prompt.order();
         }
-        asks
+        requests
     }
 }

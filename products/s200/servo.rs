@@ -10,7 +10,7 @@ use canopen::cia301::sdo::AbortCode;
 use canopen::od::{Dictionary, Entry};
 use cia402::behaviour::{number, put_number};
 use cia402::commands::Commands;
-use cia402::loops::{Request, ServoSettings, Told};
+use cia402::loops::{LoopReport, Request, ServoSettings};
 
 const TORQUE: i64 = 4;
 const DIGITAL_CURRENT: i64 = -126;
@@ -171,19 +171,19 @@ impl Servo {
     pub(super) fn loops<D: Dictionary>(
         &mut self,
         dictionary: &mut D,
-        told: &Told,
+        report: &LoopReport,
         settings: &mut ServoSettings,
     ) -> Option<Request> {
-        self.take_motor(dictionary, told);
-        self.show(dictionary, told);
+        self.take_motor(dictionary, report);
+        self.show(dictionary, report);
         let has_bound = number(dictionary, 0x3B7F, 1) == 1;
-        self.is_spent |= has_bound && told.heat >= 990 && told.is_on;
-        self.look_for_commutation(dictionary, told);
+        self.is_spent |= has_bound && report.heat >= 990 && report.is_on;
+        self.look_for_commutation(dictionary, report);
         let of = |index: u16| number(dictionary, index, 1);
         let pairs = of(0x38F9) / 2;
         settings.pole_pairs = word(pairs);
         let pairs = if pairs == 0 {
-            told.pole_pairs.into()
+            report.pole_pairs.into()
         } else {
             pairs
         };
@@ -192,7 +192,7 @@ impl Servo {
         let flux = of(0x3593).saturating_mul(2_000_000) / (3 * pairs).max(1);
         settings.motor = [0, inductance, inductance, long(flux), 0, 0];
         settings.offset = turned(of(0x359C) + of(0x38FD)).cast_unsigned();
-        settings.lead = lead(dictionary, told);
+        settings.lead = lead(dictionary, report);
         // It knows no blocked rotor.
         settings.blocked = (0, 10);
         // To brake with a wrong commutation would be to drive.
@@ -200,16 +200,16 @@ impl Servo {
         let corner = of(0x38F2).saturating_mul(6_283) / 1_000;
         settings.gains = [of(0x38F1), corner, of(0x3901)].map(word);
         settings.ahead = (word(of(0x3902)), word(of(0x3903)));
-        let own = of(0x3598).saturating_mul(told.own_share.into()) / 1_000;
+        let own = of(0x3598).saturating_mul(report.own_share.into()) / 1_000;
         let share = |thousandths: i64| word((own * thousandths / 1_000).clamp(1, 990));
-        settings.share = share(adapted(dictionary, told));
+        settings.share = share(adapted(dictionary, report));
         settings.share_along = share(of(0x3596));
-        self.take_result(dictionary, told);
+        self.take_result(dictionary, report);
         self.request.take()
     }
 
-    fn show<D: Dictionary>(&mut self, dictionary: &mut D, told: &Told) {
-        let (along, across) = told.current;
+    fn show<D: Dictionary>(&mut self, dictionary: &mut D, report: &LoopReport) {
+        let (along, across) = report.current;
         let (along, across) = (i64::from(along), i64::from(across));
         let square = (along * along + across * across).cast_unsigned();
         let size = i64::from(square.isqrt() as u32);
@@ -223,7 +223,7 @@ impl Servo {
         ] {
             put_number(dictionary, index, 1, value);
         }
-        let sector = (usize::from(told.angle) * HALL.len()) >> 16;
+        let sector = (usize::from(report.angle) * HALL.len()) >> 16;
         put_number(
             dictionary,
             0x38FC,
@@ -231,7 +231,7 @@ impl Servo {
             HALL.get(sector).copied().unwrap_or(0),
         );
         let bound = number(dictionary, 0x355A, 1);
-        let is_hot = bound > 0 && i64::from(told.heat) >= bound * 10;
+        let is_hot = bound > 0 && i64::from(report.heat) >= bound * 10;
         let has_nothing = number(dictionary, 0x3902, 1) == 0 && number(dictionary, 0x3903, 1) == 0;
         self.beside = (
             i64::from(is_hot) * HOT,
@@ -240,37 +240,40 @@ impl Servo {
     }
 
     /// MNUMBER: the data of a motor that the drive knows.
-    fn take_motor<D: Dictionary>(&mut self, dictionary: &mut D, told: &Told) {
+    fn take_motor<D: Dictionary>(&mut self, dictionary: &mut D, report: &LoopReport) {
         // ESPEED.
-        put_number(dictionary, 0x3675, 1, told.most_speed.into());
+        put_number(dictionary, 0x3675, 1, report.most_speed.into());
         if !core::mem::take(&mut self.is_chosen) || number(dictionary, 0x3599, 1) != KNOWN_MOTOR {
             return;
         }
-        let [_, _, across, ..] = told.own_motor.map(i64::from);
+        let [_, _, across, ..] = report.own_motor.map(i64::from);
         for (index, value) in [
             (0x35A6, SYNCHRONOUS),
             (0x38F0, NAME),
             (0x3577, across / 1_000),
-            (0x3593, (i64::from(told.own_torque_constant) + 500) / 1_000),
-            (0x358E, told.rated_current.into()),
-            (0x358F, told.peak_current.into()),
-            (0x38F9, i64::from(told.own_pole_pairs) * 2),
+            (
+                0x3593,
+                (i64::from(report.own_torque_constant) + 500) / 1_000,
+            ),
+            (0x358E, report.rated_current.into()),
+            (0x358F, report.peak_current.into()),
+            (0x38F9, i64::from(report.own_pole_pairs) * 2),
             (0x3900, 1),
         ] {
             put_number(dictionary, index, 1, value);
         }
-        put_number(dictionary, 0x6080, 0, told.most_speed.into());
+        put_number(dictionary, 0x6080, 0, report.most_speed.into());
         Self::limit_speed(dictionary);
     }
 
     /// VCOMM: the motor runs against its current, and ever faster.
-    fn look_for_commutation<D: Dictionary>(&mut self, dictionary: &D, told: &Told) {
+    fn look_for_commutation<D: Dictionary>(&mut self, dictionary: &D, report: &LoopReport) {
         let bound = number(dictionary, 0x365A, 1).saturating_mul(1_000);
-        let before = core::mem::replace(&mut self.speed, told.speed);
-        let is_against = i64::from(told.current.1) * i64::from(told.speed) < 0;
-        let is_faster = told.speed.unsigned_abs() >= before.unsigned_abs();
-        let is_fast = bound > 0 && i64::from(told.speed).abs() > bound;
-        self.runs_away = match told.is_on && is_against && is_faster && is_fast {
+        let before = core::mem::replace(&mut self.speed, report.speed);
+        let is_against = i64::from(report.current.1) * i64::from(report.speed) < 0;
+        let is_faster = report.speed.unsigned_abs() >= before.unsigned_abs();
+        let is_fast = bound > 0 && i64::from(report.speed).abs() > bound;
+        self.runs_away = match report.is_on && is_against && is_faster && is_fast {
             true => self.runs_away.saturating_add(1),
             false => self.runs_away.saturating_sub(1),
         };
@@ -287,8 +290,8 @@ impl Servo {
     }
 
     /// CTUNE is over.
-    fn take_result<D: Dictionary>(&mut self, dictionary: &mut D, told: &Told) {
-        let found = &told.found;
+    fn take_result<D: Dictionary>(&mut self, dictionary: &mut D, report: &LoopReport) {
+        let found = &report.found;
         if !self.is_tuning || self.request.is_some() || !found.has_ended() {
             return;
         }
@@ -303,10 +306,10 @@ impl Servo {
 }
 
 /// What the gain across the magnet is by the current: MLGC at the rated one, MLGP at the peak.
-fn adapted<D: Dictionary>(dictionary: &D, told: &Told) -> i64 {
-    let current = i64::from(told.current.1).abs();
-    let rated = i64::from(told.rated_current).max(1);
-    let peak = i64::from(told.peak_current).max(rated + 1);
+fn adapted<D: Dictionary>(dictionary: &D, report: &LoopReport) -> i64 {
+    let current = i64::from(report.current.1).abs();
+    let rated = i64::from(report.rated_current).max(1);
+    let peak = i64::from(report.peak_current).max(rated + 1);
     let of = |index: u16| number(dictionary, index, 1);
     if current < rated {
         1_000 + (of(0x3595) - 1_000) * current / rated
@@ -331,13 +334,13 @@ fn turned(degrees: i64) -> i16 {
 }
 
 /// MTANGLP at the peak current, MVANGLF at the greatest speed, from MVANGLB on.
-fn lead<D: Dictionary>(dictionary: &D, told: &Told) -> i16 {
+fn lead<D: Dictionary>(dictionary: &D, report: &LoopReport) -> i16 {
     let of = |index: u16| number(dictionary, index, 1);
     let peak = of(0x358F).max(1);
-    let current = i64::from(told.current.1);
+    let current = i64::from(report.current.1);
     let by_current = of(0x35A5).saturating_mul(current.clamp(-peak, peak)) / peak;
     let (begin, end) = (of(0x35A7), of(0x35A3));
-    let speed = i64::from(told.speed) / 1_000;
+    let speed = i64::from(report.speed) / 1_000;
     let above = (speed.abs() - begin).clamp(0, (end - begin).max(1));
     let by_speed = of(0x35A8).saturating_mul(above * speed.signum()) / (end - begin).max(1);
     turned((by_current + by_speed).clamp(-60, 60))

@@ -225,7 +225,7 @@ impl<D: Behaves + Default, A: Moving> VirtualDrive<D, A> {
             .read(self.node.device().node().dictionary());
         if D::Behaviour::IS_THERE {
             let (dictionary, product) = self.node.product();
-            request = product.loops(dictionary, &loops.told_beside(), &mut settings);
+            request = product.loops(dictionary, &loops.loop_report(), &mut settings);
         }
         loops.set_up(&settings);
         if let Some(request) = request {

@@ -21,7 +21,7 @@ use canopen::od::{self, Dictionary, Entry};
 
 use crate::commands::Commands;
 use crate::exchange::Actuals;
-use crate::loops::{Request, ServoSettings, Told};
+use crate::loops::{LoopReport, Request, ServoSettings};
 use crate::objects::Objects;
 pub use motion::{SignedSpeed, Speed};
 
@@ -47,7 +47,7 @@ pub struct View<'a> {
 
 /// Requests of a module beside its commands. Each is carried out once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Asks {
+pub struct Requests {
     /// [`Behaviour::command`] would give other commands than last time: they are to be posted.
     pub commands: bool,
     /// An object that sets something up was written by the module.
@@ -97,7 +97,7 @@ pub trait Behaviour: Default + core::fmt::Debug + 'static {
         None
     }
 
-    /// What [`Asks::write`] has come to.
+    /// What [`Requests::write`] has come to.
     fn wrote<D: Dictionary + Objects>(&mut self, dictionary: &D, result: Result<(), AbortCode>) {
         let _ = (dictionary, result);
     }
@@ -122,16 +122,16 @@ pub trait Behaviour: Default + core::fmt::Debug + 'static {
     fn loops<D: Dictionary + Objects>(
         &mut self,
         dictionary: &mut D,
-        told: &Told,
+        report: &LoopReport,
         settings: &mut ServoSettings,
     ) -> Option<Request> {
-        let _ = (dictionary, told, settings);
+        let _ = (dictionary, report, settings);
         None
     }
 
     /// What is to be done since the last call.
-    fn asks(&mut self) -> Asks {
-        Asks::default()
+    fn take_requests(&mut self) -> Requests {
+        Requests::default()
     }
 }
 

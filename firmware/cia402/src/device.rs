@@ -35,7 +35,7 @@ use crate::configuration::Configuration;
 use crate::cyclic::SyncStatus;
 use crate::exchange::{Actuals, Exchange, Share};
 use crate::faults::{FaultNotice, emergency};
-use crate::objects::{Facts, Objects};
+use crate::objects::{DriveStatus, Objects};
 use crate::option_codes::AbortConnectionOption;
 use crate::scope::Status;
 
@@ -290,11 +290,11 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
             (has_news, scope) = (exchange.has_news(), exchange.scope());
             exchange.actuals_at(stamp)
         });
-        let facts = self.facts(&actuals);
+        let status = self.status(&actuals);
         let dictionary = self.node.dictionary_mut();
         show(dictionary, &actuals);
         dictionary.set_error_code(D::HABITS.code(actuals.error_code));
-        dictionary.show_facts(&facts);
+        dictionary.show_status(&status);
         if has_news {
             let (latched, readings) = exchange.lock(Exchange::take_news);
             periphery::show(self.node.dictionary_mut(), &latched, &readings);
@@ -307,7 +307,7 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
                 actuals: &actuals,
                 state: self.node.state(),
                 is_storing: self.node.is_storing(),
-                errors: facts.errors,
+                errors: status.errors,
                 serves_frame,
                 at: stamp,
             };
@@ -318,12 +318,12 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
 
     /// What the status words of the manufacturer are made from.
     #[inline]
-    fn facts(&self, actuals: &Actuals) -> Facts {
+    fn status(&self, actuals: &Actuals) -> DriveStatus {
         let errors = D::TOLD_ERRORS.iter().rev();
         let errors = errors.fold(0, |all, code| {
             all << 1 | u32::from(self.node.has_error(*code))
         });
-        Facts {
+        DriveStatus {
             statusword: actuals.statusword,
             inputs: actuals.digital_inputs,
             has_power: actuals.has_power(),

@@ -109,7 +109,7 @@ pub use drive::Drive;
 pub use exchange::{Actuals, Exchange, Share};
 pub use indicator::{DriveLight, DriveSignal};
 pub use mode::Mode;
-pub use objects::{Everything, Facts, Objects};
+pub use objects::{DriveStatus, Everything, Objects};
 pub use option_codes::QuickStopOption;
 pub use state_machine::{State, StateMachine};
 pub use units::Units;

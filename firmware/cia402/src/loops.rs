@@ -164,7 +164,7 @@ impl Found {
 
 /// What the loops report beside the actual values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Told {
+pub struct LoopReport {
     /// What a measurement has found.
     pub found: Found,
     /// The motor that the loops go by, as 20C2h has it, and its pole pairs.

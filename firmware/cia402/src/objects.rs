@@ -60,8 +60,8 @@ macro_rules! objects {
             const TOLD_ERRORS: &'static [u16] = &[];
 
             /// Writes the status words of the manufacturer from the present state of the drive.
-            fn show_facts(&mut self, facts: &Facts) {
-                let _ = facts;
+            fn show_status(&mut self, status: &DriveStatus) {
+                let _ = status;
             }
 
             /// Values were loaded: objects that stand for the same parameter follow the one the drive reads.
@@ -95,7 +95,7 @@ every_parameter!(objects);
 
 /// The state of the drive from which the bits of a manufacturer's status words are made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Facts {
+pub struct DriveStatus {
     /// 6041h.
     pub statusword: u16,
     /// 60FDh.

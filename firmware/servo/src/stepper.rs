@@ -33,7 +33,7 @@ const ARC: f32 = core::f32::consts::FRAC_2_PI;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Beyond {
     /// It is told, and nothing is done: supervised.
-    Told,
+    Reported,
     /// The field waits; what it is behind the demand is made up while the demand is at rest.
     MadeUpAtRest,
     /// The field waits; what it is behind the demand is made up at once.
@@ -239,7 +239,7 @@ impl Stepper {
         let wanted = away.saturating_add(self.trim);
         let held = within(wanted, self.bound);
         let is_beyond = held != wanted;
-        let lead = if self.config.beyond == Beyond::Told {
+        let lead = if self.config.beyond == Beyond::Reported {
             wanted
         } else {
             self.behind = self.behind.saturating_add(wanted.saturating_sub(held));
@@ -248,7 +248,7 @@ impl Stepper {
         };
         let catches_up = self.make_up(demand);
         let faster = limit(rotor.speed - demand.speed - catches_up, 1e5);
-        let field = if self.config.beyond == Beyond::Told {
+        let field = if self.config.beyond == Beyond::Reported {
             lead.saturating_sub(limit(self.damping * faster, full_step) as i64)
         } else {
             // A full step pulls hardest, also while it brakes.
@@ -275,7 +275,7 @@ impl Stepper {
         let waits = match self.config.beyond {
             Beyond::MadeUpAtRest => !demand.is_at_rest,
             Beyond::Kept => true,
-            Beyond::Told | Beyond::MadeUpAtOnce => false,
+            Beyond::Reported | Beyond::MadeUpAtOnce => false,
         };
         if waits {
             return 0.0;

@@ -121,7 +121,7 @@ fn a_load_that_is_too_great_costs_no_step() {
 #[test]
 fn supervised_a_lost_step_is_told() {
     let config = StepperConfig {
-        beyond: Beyond::Told,
+        beyond: Beyond::Reported,
         ..CONFIG
     };
     let mut axis = Axis::new(config, 1);

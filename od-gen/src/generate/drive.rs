@@ -429,15 +429,15 @@ fn words(layout: &Layout<'_>, words: &[Word]) -> Option<String> {
         let mut parts = Vec::new();
         for (bit, fact) in &word.facts {
             let number = match fact {
-                Fact::Statusword => "u32::from(facts.statusword)".to_owned(),
-                Fact::StatusBit(bit) => format!("u32::from(facts.statusword >> {bit} & 1)"),
-                Fact::Input(bit) => format!("(facts.inputs >> {bit} & 1)"),
-                Fact::Power => "u32::from(facts.has_power)".to_owned(),
-                Fact::Referenced => "u32::from(facts.is_referenced)".to_owned(),
-                Fact::Moving => "u32::from(facts.is_moving)".to_owned(),
-                Fact::Standstill => "u32::from(!facts.is_moving)".to_owned(),
+                Fact::Statusword => "u32::from(status.statusword)".to_owned(),
+                Fact::StatusBit(bit) => format!("u32::from(status.statusword >> {bit} & 1)"),
+                Fact::Input(bit) => format!("(status.inputs >> {bit} & 1)"),
+                Fact::Power => "u32::from(status.has_power)".to_owned(),
+                Fact::Referenced => "u32::from(status.is_referenced)".to_owned(),
+                Fact::Moving => "u32::from(status.is_moving)".to_owned(),
+                Fact::Standstill => "u32::from(!status.is_moving)".to_owned(),
                 Fact::Mode(mode) => {
-                    format!("u32::from(facts.is_moving && facts.mode == {mode})")
+                    format!("u32::from(status.is_moving && status.mode == {mode})")
                 }
                 Fact::Error(code) => {
                     let place = errors.iter().position(|other| other == code);
@@ -445,7 +445,7 @@ fn words(layout: &Layout<'_>, words: &[Word]) -> Option<String> {
                         errors.push(*code);
                         errors.len() - 1
                     });
-                    format!("(facts.errors >> {place} & 1)")
+                    format!("(status.errors >> {place} & 1)")
                 }
                 Fact::Always => "1".to_owned(),
             };
@@ -467,7 +467,7 @@ fn words(layout: &Layout<'_>, words: &[Word]) -> Option<String> {
         format!(
             "    const TOLD_ERRORS: &'static [u16] = &[{}];\n\n    \
              #[allow(clippy::unnecessary_cast, clippy::identity_op, reason = \"one text for all words\")]\n    \
-             fn show_facts(&mut self, facts: &::cia402::Facts) {{\n{body}    }}\n",
+             fn show_status(&mut self, status: &::cia402::DriveStatus) {{\n{body}    }}\n",
             codes.join(", ")
         )
     })

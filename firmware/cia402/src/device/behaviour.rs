@@ -19,27 +19,27 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
         if !D::Behaviour::IS_THERE {
             return;
         }
-        let asks = self.hooks.behaviour.asks();
-        if let Some((index, sub, number)) = asks.write {
+        let requests = self.hooks.behaviour.take_requests();
+        if let Some((index, sub, number)) = requests.write {
             let size = od::find::<D>(index, sub).map_or(0, |entry| usize::from(entry.size()));
             let bytes = number.to_le_bytes();
             let value = bytes.get(..size).unwrap_or_default();
             let result = self.node.write((index, sub), value, now, &mut self.hooks);
             self.hooks.behaviour.wrote(self.node.dictionary(), result);
         }
-        if asks.configuration {
+        if requests.configuration {
             self.hooks.post_all_anew();
-        } else if asks.commands {
+        } else if requests.commands {
             self.hooks.post_commands_anew();
         }
-        if asks.reset && self.phase == Phase::Running {
+        if requests.reset && self.phase == Phase::Running {
             self.phase = Phase::Stopping(Reset::Node);
             self.hooks.post_all_anew();
         }
-        if let Some((index, sub)) = asks.order {
+        if let Some((index, sub)) = requests.order {
             self.node.order(index, sub);
         }
-        match asks.error {
+        match requests.error {
             Some((code, true)) => self.node.report(emergency(code), now),
             Some((code, false)) => self.node.clear(code, now),
             None => {}

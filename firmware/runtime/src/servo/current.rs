@@ -7,7 +7,7 @@
 
 use servo::interrupt::Counts;
 
-use super::link::{Link, Orders, Told};
+use super::link::{Link, LoopStatus, Orders};
 use super::{Loops, error_code, leads};
 
 /// See the module.
@@ -60,8 +60,8 @@ impl Current {
         match self.at {
             1 => self.take_orders(),
             2 => self.take_set_up(),
-            3 => self.tell(counts),
-            4 => self.link.tell_found(*self.loops.found()),
+            3 => self.publish(counts),
+            4 => self.link.publish_found(*self.loops.found()),
             _ => {}
         }
         self.at += 1;
@@ -94,9 +94,9 @@ impl Current {
         }
     }
 
-    fn tell(&self, counts: &Counts) {
-        let report = self.loops.told();
-        let told = Told {
+    fn publish(&self, counts: &Counts) {
+        let report = self.loops.control_report();
+        let status = LoopStatus {
             report: self.loops.reported(&report, 0),
             fault: self.loops.fault().map(error_code),
             millivolts: (self.loops.bus(counts) * 1e3) as u32,
@@ -104,6 +104,6 @@ impl Current {
             is_hot: report.is_hot,
             position_tolerance: self.loops.position_tolerance(),
         };
-        self.link.tell(told, leads(&report));
+        self.link.publish(status, leads(&report));
     }
 }

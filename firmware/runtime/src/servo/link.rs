@@ -31,9 +31,9 @@ pub(super) struct SetUp {
     pub(super) request: Option<Request>,
 }
 
-/// To the control tick.
+/// From the loops to the control tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Told {
+pub struct LoopStatus {
     /// What has become of the orders.
     pub report: ServoReport,
     /// Why there is no current, as an error code of CiA 402.
@@ -53,13 +53,13 @@ pub struct Told {
 pub struct Link {
     orders: Mutex<Orders>,
     set_up: Mutex<SetUp>,
-    told: Mutex<Told>,
+    status: Mutex<LoopStatus>,
     found: Mutex<Found>,
     lead: AtomicU16,
 }
 
 impl Link {
-    /// Nothing is ordered or told.
+    /// Nothing is ordered or reported.
     pub const fn new() -> Self {
         Self {
             orders: Mutex::new(Orders {
@@ -72,7 +72,7 @@ impl Link {
                 settings: ServoSettings::NONE,
                 request: None,
             }),
-            told: Mutex::new(Told {
+            status: Mutex::new(LoopStatus {
                 report: ServoReport::NONE,
                 fault: None,
                 millivolts: 0,
@@ -91,14 +91,14 @@ impl Link {
     }
 
     /// What the board measures: the temperature of the stage in 0.1 °C, and whether it can give no current; that takes it at once.
-    pub fn measured(&self, temperature: i16, is_blocked: bool) {
+    pub fn set_stage(&self, temperature: i16, is_blocked: bool) {
         let mut orders = self.orders.lock();
         (orders.temperature, orders.is_blocked) = (temperature, is_blocked);
     }
 
-    /// What the loops have told last.
-    pub fn told(&self) -> Told {
-        *self.told.lock()
+    /// What the loops have published last.
+    pub fn status(&self) -> LoopStatus {
+        *self.status.lock()
     }
 
     pub(super) fn order(&self, order: &ServoOrder, at: u32) {
@@ -130,7 +130,7 @@ impl Link {
         let _locked = (
             self.orders.lock(),
             self.set_up.lock(),
-            self.told.lock(),
+            self.status.lock(),
             self.found.lock(),
         );
         f();
@@ -148,12 +148,12 @@ impl Link {
         })
     }
 
-    pub(super) fn tell(&self, told: Told, lead: u16) {
-        put(self.told.try_lock(), told);
+    pub(super) fn publish(&self, status: LoopStatus, lead: u16) {
+        put(self.status.try_lock(), status);
         self.lead.store(lead, Ordering::Relaxed);
     }
 
-    pub(super) fn tell_found(&self, found: Found) {
+    pub(super) fn publish_found(&self, found: Found) {
         put(self.found.try_lock(), found);
     }
 }

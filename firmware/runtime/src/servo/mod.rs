@@ -30,7 +30,7 @@ use servo::offsets::{Calibration, CurrentSense};
 use servo::transform::Rotor;
 use servo::{Angle, Control, CurrentInterrupt, Implausible, Motor, Wiring};
 
-pub use cia402::loops::{Found, Request, ServoSettings, StepperSettings, Told as LoopsTold};
+pub use cia402::loops::{Found, LoopReport, Request, ServoSettings, StepperSettings};
 pub use current::Current;
 pub use data::{Feedback, ServoData, StageData};
 use feedback::Sensor;
@@ -296,13 +296,13 @@ impl Loops {
         }
     }
 
-    fn told(&self) -> Report {
+    fn control_report(&self) -> Report {
         self.control.report(&self.interrupt)
     }
 
     /// What has become of the orders, in counts from `origin` on.
     pub fn report(&self, origin: i64) -> ServoReport {
-        self.reported(&self.told(), origin)
+        self.reported(&self.control_report(), origin)
     }
 
     fn reported(&self, report: &Report, origin: i64) -> ServoReport {
@@ -313,14 +313,14 @@ impl Loops {
         orders::report(report, counts, wants_free)
     }
 
-    /// What there is to tell beside the actual values.
-    pub fn told_beside(&self) -> LoopsTold {
-        let report = self.told();
+    /// What the loops report beside the actual values.
+    pub fn loop_report(&self) -> LoopReport {
+        let report = self.control_report();
         let current = self.interrupt.current.current();
         let (motor, friction) = self.settings.motor(&self.data);
         let own = ServoSettings::NONE.gains(&self.data);
         let zero = (self.interrupt.encoder.offset().bits() >> 16) as u16;
-        LoopsTold {
+        LoopReport {
             found: *self.found(),
             motor: listed(&motor, friction),
             own_motor: listed(&self.data.motor, self.data.friction),
@@ -354,7 +354,7 @@ impl Loops {
 
     /// The lead of a stepper's field in hundredths of a full step.
     pub fn lead(&self) -> u16 {
-        leads(&self.told())
+        leads(&self.control_report())
     }
 
     /// How far the rotor may be from where it is held at rest, in counts: a stepper that is only supervised has no more than its field, and loses
@@ -369,7 +369,7 @@ impl Loops {
 
     /// The rotor stands against a limit of the torque.
     pub fn is_stalled(&self) -> bool {
-        self.stalls(&self.told())
+        self.stalls(&self.control_report())
     }
 
     fn stalls(&self, report: &Report) -> bool {
@@ -378,7 +378,7 @@ impl Loops {
 
     /// The heat of motor and stage has come near its bound.
     pub fn is_hot(&self) -> bool {
-        self.told().is_hot
+        self.control_report().is_hot
     }
 }
 

@@ -37,7 +37,7 @@ impl Port {
 
     /// The position of the encoder, in counts from where it began.
     pub fn position(&self) -> i64 {
-        self.link.told().report.counts
+        self.link.status().report.counts
     }
 
     /// The same where its timer was at this count a short while ago.
@@ -78,7 +78,7 @@ impl ServoPort for Port {
     }
 
     fn report(&self) -> ServoReport {
-        self.link.told().report
+        self.link.status().report
     }
 
     fn forget(&mut self) {

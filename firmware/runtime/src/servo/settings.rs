@@ -22,7 +22,7 @@ pub(super) trait StepperLoops {
 impl StepperLoops for StepperSettings {
     fn config(&self, data: &ServoData, motor: &Motor) -> Option<StepperConfig> {
         let beyond = match self.way {
-            1 => Beyond::Told,
+            1 => Beyond::Reported,
             2 => Beyond::MadeUpAtRest,
             3 => Beyond::MadeUpAtOnce,
             4 => Beyond::Kept,

@@ -88,7 +88,7 @@ fn the_sensors_are_learnt_first_and_then_the_magnet_is_looked_for() {
         ..AT_REST
     };
     assert_eq!(run(&mut current, 250, &off), None);
-    assert!(link.told().report.wants_free);
+    assert!(link.status().report.wants_free);
     // Then the field rises, from widths that are equal: the offsets are no current.
     let widths = run(&mut current, 12, &off).unwrap();
     assert!(
@@ -97,10 +97,10 @@ fn the_sensors_are_learnt_first_and_then_the_magnet_is_looked_for() {
     );
     // A rotor that is held does not follow it.
     run(&mut current, 60_000, &off);
-    assert_eq!(link.told().fault, Some(0x7305));
+    assert_eq!(link.status().fault, Some(0x7305));
     link.energise(false);
     run(&mut current, 10, &AT_REST);
-    assert_eq!(link.told().fault, None);
+    assert_eq!(link.status().fault, None);
 }
 
 #[test]
@@ -112,7 +112,7 @@ fn a_sensor_far_from_its_middle_is_a_fault() {
         ..AT_REST
     };
     assert_eq!(run(&mut current, 300, &counts), None);
-    assert_eq!(link.told().fault, Some(0x7300));
+    assert_eq!(link.status().fault, Some(0x7300));
 }
 
 #[test]
@@ -121,12 +121,12 @@ fn an_order_goes_over_the_link_and_a_report_comes_back() {
     link.energise(true);
     port.order(&held(4_000));
     run(&mut current, 40, &AT_REST);
-    let told = link.told();
-    assert_eq!(told.report.demand, 4_000);
-    assert_eq!(told.millivolts, 48_001);
+    let status = link.status();
+    assert_eq!(status.report.demand, 4_000);
+    assert_eq!(status.millivolts, 48_001);
     assert!(run(&mut current, 1, &AT_REST).is_some());
     // What the board finds takes the current.
-    link.measured(250, true);
+    link.set_stage(250, true);
     assert_eq!(run(&mut current, 10, &AT_REST), None);
 }
 
@@ -141,7 +141,7 @@ fn who_has_locked_a_part_is_not_waited_for() {
         let widths = run(&mut current, 10, &AT_REST);
         assert!(widths.is_some(), "{:?}", current.loops.fault());
     });
-    assert_eq!(link.told().report.demand, 4_000);
+    assert_eq!(link.status().report.demand, 4_000);
 }
 
 #[test]
@@ -172,11 +172,11 @@ fn an_edge_is_where_the_timer_was() {
         counts: -700,
         ..ServoReport::NONE
     };
-    let told = link::Told {
+    let status = link::LoopStatus {
         report,
-        ..link::Told::default()
+        ..link::LoopStatus::default()
     };
-    link.tell(told, 0);
+    link.publish(status, 0);
     assert_eq!(port.position(), -700);
     assert_eq!(port.position_at(64_310), -690);
     assert_eq!(port.position_at(64_290), -710);

@@ -305,7 +305,7 @@ fn ordered(motor: &Motor, interrupt: &mut CurrentInterrupt) -> Result<(), Implau
 fn stepper_config() -> StepperConfig {
     StepperConfig {
         beyond: match any() {
-            0 => Beyond::Told,
+            0 => Beyond::Reported,
             1 => Beyond::MadeUpAtRest,
             _ => Beyond::MadeUpAtOnce,
         },

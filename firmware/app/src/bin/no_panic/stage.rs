@@ -123,8 +123,8 @@ pub fn loops(config: DriveConfig) -> Result<(), Implausible> {
                 servo_objects.show(&mut dictionary, &LINK.found());
             }
             2 => {
-                LINK.measured(thermistor::tenths(any() as u16), any() == 0);
-                look(LINK.told().millivolts);
+                LINK.set_stage(thermistor::tenths(any() as u16), any() == 0);
+                look(LINK.status().millivolts);
             }
             3 => {
                 let answer = (any() == 0).then(|| any() as u16);

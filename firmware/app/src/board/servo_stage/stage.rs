@@ -76,26 +76,26 @@ impl<D: Driver, const OUTPUTS: usize> Stage for ServoStage<D, OUTPUTS> {
     }
 
     fn fault(&self) -> Option<u16> {
-        LINK.told().fault.or(self.driver.fault())
+        LINK.status().fault.or(self.driver.fault())
     }
 
     fn measure(&mut self, inputs: &mut Inputs) {
-        let told = LINK.told();
-        self.is_fed = told.millivolts >= FED;
+        let status = LINK.status();
+        self.is_fed = status.millivolts >= FED;
         self.driver.tick(self.is_fed);
         self.slow.advance();
         let temperature = self.slow.temperature;
         inputs.temperature = temperature;
         inputs.analogue = self.slow.input;
-        inputs.supply_voltage = Some(told.millivolts);
-        inputs.warning = told.is_hot.then_some(HEAT);
-        inputs.stall = Some(told.is_stalled);
-        inputs.position_tolerance = told.position_tolerance;
+        inputs.supply_voltage = Some(status.millivolts);
+        inputs.warning = status.is_hot.then_some(HEAT);
+        inputs.stall = Some(status.is_stalled);
+        inputs.position_tolerance = status.position_tolerance;
         // Before the first reading there is no current.
         let hot = temperature.unwrap_or(0);
         let fault = self.driver.fault();
         let is_off = fault.is_some() || !self.driver.is_ready() || temperature.is_none();
-        LINK.measured(hot, is_off);
+        LINK.set_stage(hot, is_off);
     }
 
     fn set_power(&mut self, on: bool) {
