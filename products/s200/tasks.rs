@@ -131,7 +131,7 @@ impl Task {
 
 /// Where the sequence is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Phase {
+enum TaskState {
     #[default]
     Idle,
     /// It waits for profile position, and is then given.
@@ -152,7 +152,7 @@ enum Phase {
 #[derive(Debug)]
 pub(super) struct Tasks {
     ram: [Task; (LAST - FLASH) as usize],
-    phase: Phase,
+    state: TaskState,
     number: u16,
     task: Task,
     /// The one that waits in the drive.
@@ -171,7 +171,7 @@ impl Default for Tasks {
     fn default() -> Self {
         Self {
             ram: [Task::default(); (LAST - FLASH) as usize],
-            phase: Phase::Idle,
+            state: TaskState::Idle,
             number: 0,
             task: Task::default(),
             next: (0, Task::default()),
@@ -270,7 +270,7 @@ impl Tasks {
         is_by_edge: bool,
     ) -> Result<(), Faulty> {
         let task = self.get(dictionary, number);
-        self.phase = Phase::Idle;
+        self.state = TaskState::Idle;
         self.swallows = is_by_edge;
         if !task.is_there() {
             return Err(Faulty::Task);
@@ -280,7 +280,7 @@ impl Tasks {
         }
         self.swallows = false;
         (self.number, self.task) = (number, task);
-        self.phase = Phase::Given;
+        self.state = TaskState::Given;
         self.is_by_edge = is_by_edge;
         self.hands_over = true;
         if is_by_edge {
@@ -292,20 +292,20 @@ impl Tasks {
 
     /// STOP.
     pub(super) fn stop(&mut self) {
-        if self.phase != Phase::Idle {
-            self.phase = Phase::Stops;
+        if self.state != TaskState::Idle {
+            self.state = TaskState::Stops;
         }
     }
 
     /// What is under way is another's from now on.
     pub(super) const fn cancel(&mut self) {
-        self.phase = Phase::Idle;
+        self.state = TaskState::Idle;
         self.hands_over = false;
     }
 
     /// Whether a command has begun one: the mode of operation waits for its end.
     pub(super) const fn takes_mode(&self) -> bool {
-        !self.is_by_edge && !matches!(self.phase, Phase::Idle)
+        !self.is_by_edge && !matches!(self.state, TaskState::Idle)
     }
 
     /// The task that an edge without a number in 2080h begins again; 0 for a direct set-point.
@@ -320,7 +320,7 @@ impl Tasks {
 
     /// A tick has passed. Returns whether the commands are others now.
     pub(super) fn tick<D: Dictionary>(&mut self, dictionary: &mut D, seen: &Seen) -> bool {
-        if self.phase == Phase::Idle {
+        if self.state == TaskState::Idle {
             return false;
         }
         if !seen.is_enabled {
@@ -328,39 +328,43 @@ impl Tasks {
             self.cancel();
             return true;
         }
-        let before = self.phase;
-        match self.phase {
-            Phase::Idle => {}
-            Phase::Given => return self.hands_over,
-            Phase::UnderWay(ticks) if ticks < SETTLED => self.phase = Phase::UnderWay(ticks + 1),
-            Phase::UnderWay(_) => self.look_ahead(dictionary, seen),
-            Phase::Blends(ticks) if ticks < SETTLED => self.phase = Phase::Blends(ticks + 1),
-            Phase::Blends(_) => {
+        let before = self.state;
+        match self.state {
+            TaskState::Idle => {}
+            TaskState::Given => return self.hands_over,
+            TaskState::UnderWay(ticks) if ticks < SETTLED => {
+                self.state = TaskState::UnderWay(ticks + 1)
+            }
+            TaskState::UnderWay(_) => self.look_ahead(dictionary, seen),
+            TaskState::Blends(ticks) if ticks < SETTLED => {
+                self.state = TaskState::Blends(ticks + 1)
+            }
+            TaskState::Blends(_) => {
                 if seen.statusword & ACKNOWLEDGE == 0 {
                     // What waited has begun.
                     (self.number, self.task) = self.next;
                     show(dictionary, self.number, self.task.target);
-                    self.phase = Phase::UnderWay(SETTLED);
+                    self.state = TaskState::UnderWay(SETTLED);
                 }
             }
-            Phase::Pauses(until) => {
+            TaskState::Pauses(until) => {
                 if seen.at >= until {
                     (self.number, self.task) = self.next;
                     show(dictionary, self.number, self.task.target);
-                    self.phase = Phase::Given;
+                    self.state = TaskState::Given;
                     self.hands_over = true;
                 }
             }
-            Phase::Stops => {
+            TaskState::Stops => {
                 if !seen.is_moving {
-                    self.phase = Phase::Parks(0);
+                    self.state = TaskState::Parks(0);
                     self.hands_over = true;
                 }
             }
-            Phase::Parks(ticks) if ticks < SETTLED => self.phase = Phase::Parks(ticks + 1),
-            Phase::Parks(_) => self.cancel(),
+            TaskState::Parks(ticks) if ticks < SETTLED => self.state = TaskState::Parks(ticks + 1),
+            TaskState::Parks(_) => self.cancel(),
         }
-        self.phase != before
+        self.state != before
     }
 
     /// What follows a task that is on its way.
@@ -377,10 +381,10 @@ impl Tasks {
         self.next = (self.task.next, next);
         if self.task.control & WITHOUT_STOP != 0 {
             if !is_reached {
-                self.phase = Phase::Blends(0);
+                self.state = TaskState::Blends(0);
                 self.hands_over = true;
             } else {
-                self.phase = Phase::Pauses(seen.at);
+                self.state = TaskState::Pauses(seen.at);
             }
         } else if is_reached {
             let delay = if self.task.control & WITH_DELAY != 0 {
@@ -389,7 +393,7 @@ impl Tasks {
                 0
             };
             let delay = canopen::Duration::from_ticks(u64::from(delay) * 1_000);
-            self.phase = Phase::Pauses(seen.at.checked_add_duration(delay).unwrap_or(seen.at));
+            self.state = TaskState::Pauses(seen.at.checked_add_duration(delay).unwrap_or(seen.at));
         }
     }
 
@@ -407,15 +411,15 @@ impl Tasks {
         if core::mem::take(&mut self.swallows) {
             commands.rising &= !NEW_SET_POINT;
         }
-        if self.phase == Phase::Idle {
+        if self.state == TaskState::Idle {
             // Of a direct set-point too O_C says what a relative one counts from.
             let is_to_actual = number(dictionary, 0x35B9, 1) & i64::from(TO_ACTUAL) != 0;
             commands.positioning_option = if is_to_actual { 2 } else { 0 };
         }
-        if matches!(self.phase, Phase::Stops) {
+        if matches!(self.state, TaskState::Stops) {
             commands.controlword |= HALT;
         }
-        if matches!(self.phase, Phase::Blends(_)) {
+        if matches!(self.state, TaskState::Blends(_)) {
             // Bit 12 of the statusword tells when the one that waits begins.
             commands.controlword &= !NEW_SET_POINT;
         }
@@ -423,20 +427,20 @@ impl Tasks {
             return;
         }
         let word = &mut commands.controlword;
-        match self.phase {
+        match self.state {
             // An edge hands nothing over in the tick that begins a mode.
-            Phase::Given if seen.mode == 1 || self.is_by_edge => {
-                self.phase = Phase::UnderWay(0);
+            TaskState::Given if seen.mode == 1 || self.is_by_edge => {
+                self.state = TaskState::UnderWay(0);
                 *word |= CHANGE_IMMEDIATELY;
                 *word &= !CHANGE_ON_SET_POINT;
                 self.fill(self.task, dictionary, units, commands);
             }
-            Phase::Blends(_) => {
+            TaskState::Blends(_) => {
                 *word &= !CHANGE_IMMEDIATELY;
                 *word |= CHANGE_ON_SET_POINT;
                 self.fill(self.next.1, dictionary, units, commands);
             }
-            Phase::Parks(_) => {
+            TaskState::Parks(_) => {
                 *word |= CHANGE_IMMEDIATELY | RELATIVE;
                 commands.positioning_option = 1;
                 commands.target_position = 0;

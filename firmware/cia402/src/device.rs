@@ -54,7 +54,7 @@ const WAIT: Duration = Duration::from_ticks(1_000);
 
 /// What the device is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Phase {
+enum Activity {
     /// Not powered on yet.
     Off,
     /// Serving the network.
@@ -69,7 +69,7 @@ enum Phase {
 pub struct Device<D: Behaves, A = ()> {
     node: Node<D>,
     hooks: Hooks<A, D::Behaviour>,
-    phase: Phase,
+    activity: Activity,
     /// The state of the network that was posted last.
     network: Network,
     /// The network was lost with this error, and the motor does not stand without power yet.
@@ -110,7 +110,7 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
             sources: commissioning::FACTORY_SOURCES,
             configuration: settings.configuration(),
             hooks: Hooks::new(serial_number, application),
-            phase: Phase::Off,
+            activity: Activity::Off,
             network: Network::Resetting { restart: false },
             lost: None,
             counters: Counters::default(),
@@ -151,11 +151,11 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
 
     /// Takes a frame; `stamp` is when it arrived. The dictionary shows the drive as it was at that moment.
     pub fn receive<X: Share>(&mut self, frame: &Frame, stamp: Instant, exchange: &mut X) {
-        if self.phase == Phase::Off {
+        if self.activity == Activity::Off {
             return;
         }
         let actuals = self.refresh(stamp, true, exchange);
-        if self.phase == Phase::Running {
+        if self.activity == Activity::Running {
             self.node.hold_resets(actuals.is_driving());
         }
         self.node.stay_reachable(actuals.has_power());
@@ -181,10 +181,10 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
     /// Lets time pass; call it after each control tick and at the returned deadline.
     pub fn poll<X: Share>(&mut self, now: Instant, exchange: &mut X) -> Instant {
         let soon = now.checked_add_duration(WAIT).unwrap_or(now);
-        match self.phase {
-            Phase::Off => return canopen::time::NEVER,
-            Phase::Running => {}
-            Phase::Stopping(reset) => {
+        match self.activity {
+            Activity::Off => return canopen::time::NEVER,
+            Activity::Running => {}
+            Activity::Stopping(reset) => {
                 let is_safe = exchange.lock(|exchange| exchange.is_safe());
                 if is_safe && !self.node.holds_reset() {
                     self.boot(reset, now, exchange);
@@ -207,9 +207,9 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
         self.sync_event(now, exchange);
         self.serve_controller();
         self.serve_commissioning();
-        match self.phase {
-            Phase::Stopping(_) => deadline.min(soon),
-            Phase::Off | Phase::Running => deadline,
+        match self.activity {
+            Activity::Stopping(_) => deadline.min(soon),
+            Activity::Off | Activity::Running => deadline,
         }
     }
 
@@ -265,7 +265,7 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
     }
 
     fn boot<X: Share>(&mut self, reset: Reset, now: Instant, exchange: &mut X) {
-        self.phase = Phase::Running;
+        self.activity = Activity::Running;
         self.hooks.protection.load();
         self.node.boot(reset, now, &mut self.hooks);
         self.take_reset();
@@ -369,15 +369,15 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
     #[inline(never)]
     fn take_reset(&mut self) {
         if let Some(reset) = self.node.take_reset() {
-            let reset = match self.phase {
-                Phase::Stopping(first) => {
+            let reset = match self.activity {
+                Activity::Stopping(first) => {
                     // Whoever resets twice does not want to wait for the motor.
                     self.hooks.disable_voltage();
                     if first == Reset::Node { first } else { reset }
                 }
-                Phase::Off | Phase::Running => reset,
+                Activity::Off | Activity::Running => reset,
             };
-            self.phase = Phase::Stopping(reset);
+            self.activity = Activity::Stopping(reset);
             self.hooks.post_all_anew();
         }
     }
@@ -397,14 +397,14 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
     /// Posts commands if something has changed.
     fn post<X: Share>(&mut self, exchange: &mut X) {
         self.follow_network(exchange);
-        let network = match (self.phase, self.lost, self.node.state()) {
-            (Phase::Running, Some(code), _) => Network::Lost(code),
-            (Phase::Running, None, NmtState::PreOperational | NmtState::Operational) => {
+        let network = match (self.activity, self.lost, self.node.state()) {
+            (Activity::Running, Some(code), _) => Network::Lost(code),
+            (Activity::Running, None, NmtState::PreOperational | NmtState::Operational) => {
                 Network::Remote
             }
-            (Phase::Running, None, NmtState::Stopped) => Network::Lost(COMMUNICATION),
-            (phase, ..) => Network::Resetting {
-                restart: phase == Phase::Stopping(Reset::Node),
+            (Activity::Running, None, NmtState::Stopped) => Network::Lost(COMMUNICATION),
+            (activity, ..) => Network::Resetting {
+                restart: activity == Activity::Stopping(Reset::Node),
             },
         };
         if self.hooks.take_configured() {

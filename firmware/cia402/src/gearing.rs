@@ -87,7 +87,7 @@ pub struct Ramps {
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Phase {
+enum Coupling {
     #[default]
     Open,
     Ramps,
@@ -104,7 +104,7 @@ pub struct Follower {
     ratio: Ratio,
     /// What is left of the counts of before, see [`Ratio::of`].
     rest: i64,
-    phase: Phase,
+    coupling: Coupling,
     counter: i32,
     position: i32,
     /// Counts/s of the master, smoothed.
@@ -127,7 +127,7 @@ impl Follower {
                 counts: 1,
             },
             rest: 0,
-            phase: Phase::Open,
+            coupling: Coupling::Open,
             counter: 0,
             position: 0,
             master: 0,
@@ -146,26 +146,26 @@ impl Follower {
         self.ratio = ratio;
         self.rest = 0;
         if self.is_coupled() {
-            self.phase = Phase::Ramps;
+            self.coupling = Coupling::Ramps;
         }
     }
 
     /// Begins to couple; `speed` is what the motor does now, in increments/s.
     pub fn couple(&mut self, scheme: Scheme, speed: i32) {
-        if self.phase == Phase::Open {
+        if self.coupling == Coupling::Open {
             self.speed = i64::from(speed) << POINT;
         }
         (self.error, self.gone, self.followed, self.rest) = (0, 0, 0, 0);
-        self.phase = match scheme {
-            Scheme::Ramp => Phase::Ramps,
+        self.coupling = match scheme {
+            Scheme::Ramp => Coupling::Ramps,
             Scheme::CatchUp(offset) => {
                 self.error = offset.into();
-                Phase::CatchesUp
+                Coupling::CatchesUp
             }
             Scheme::Travel(counts) => {
                 let counts = i32::try_from(counts).unwrap_or(i32::MAX);
                 let (travel, _) = self.ratio.of(counts, 0);
-                Phase::Travels(travel.saturating_abs().clamp(1, LARGEST))
+                Coupling::Travels(travel.saturating_abs().clamp(1, LARGEST))
             }
         };
     }
@@ -173,28 +173,28 @@ impl Follower {
     /// Slows down to standstill, and is not coupled any more.
     pub fn decouple(&mut self) {
         if self.is_coupled() {
-            self.phase = Phase::Leaves;
+            self.coupling = Coupling::Leaves;
         }
     }
 
     /// Something else moves the motor: nothing is coupled, and no ramp is run.
     pub const fn forget(&mut self) {
-        self.phase = Phase::Open;
+        self.coupling = Coupling::Open;
     }
 
     /// Whether the motor follows, or is about to.
     pub const fn is_coupled(&self) -> bool {
-        !matches!(self.phase, Phase::Open | Phase::Leaves)
+        !matches!(self.coupling, Coupling::Open | Coupling::Leaves)
     }
 
     /// Whether the follower moves the motor: it follows, or slows down to stand.
     pub const fn is_at_work(&self) -> bool {
-        !matches!(self.phase, Phase::Open)
+        !matches!(self.coupling, Coupling::Open)
     }
 
     /// Whether the motor goes as the master does.
     pub const fn is_synchronised(&self) -> bool {
-        matches!(self.phase, Phase::Synchronised)
+        matches!(self.coupling, Coupling::Synchronised)
     }
 
     /// A control tick, so many microseconds behind the last one; `position` is that of the motor in increments. Returns the velocity to keep.
@@ -214,17 +214,17 @@ impl Follower {
         self.rest = rest;
         let master = self.ratio.velocity(self.master);
         let step = |ramp: u32| (i64::from(ramp.max(1)) << POINT) / (SECOND / elapsed).max(1);
-        let (goal, most) = match self.phase {
-            Phase::Open => (0, i64::MAX),
-            Phase::Leaves => (0, step(ramps.decouple)),
-            Phase::Ramps => (master, step(ramps.couple)),
-            Phase::CatchesUp => {
+        let (goal, most) = match self.coupling {
+            Coupling::Open => (0, i64::MAX),
+            Coupling::Leaves => (0, step(ramps.decouple)),
+            Coupling::Ramps => (master, step(ramps.couple)),
+            Coupling::CatchesUp => {
                 self.error = self.error.saturating_add(gone).saturating_sub(moved.into());
                 let bound = braking(self.error, ramps.couple);
                 let correction = correction(self.error).clamp(-bound, bound);
                 (master.saturating_add(correction), step(ramps.couple))
             }
-            Phase::Travels(travel) => {
+            Coupling::Travels(travel) => {
                 self.gone = self.gone.saturating_add(gone).clamp(-travel, travel);
                 // With all of its velocity at the end, half of the way was gone.
                 let square = self.gone * self.gone.abs();
@@ -236,7 +236,7 @@ impl Follower {
                 let part = part.unwrap_or(0) << POINT;
                 (part.saturating_add(correction(self.error)), i64::MAX)
             }
-            Phase::Synchronised => {
+            Coupling::Synchronised => {
                 self.error = self.error.saturating_add(gone).saturating_sub(moved.into());
                 (master.saturating_add(correction(self.error)), i64::MAX)
             }
@@ -244,16 +244,18 @@ impl Follower {
         let from = self.speed;
         self.speed = goal.clamp(from.saturating_sub(most), from.saturating_add(most));
         let is_reached = self.speed == goal;
-        match self.phase {
-            Phase::Ramps if is_reached => {
+        match self.coupling {
+            Coupling::Ramps if is_reached => {
                 self.error = 0;
-                self.phase = Phase::Synchronised;
+                self.coupling = Coupling::Synchronised;
             }
-            Phase::CatchesUp if is_reached && self.error.abs() <= WINDOW => {
-                self.phase = Phase::Synchronised;
+            Coupling::CatchesUp if is_reached && self.error.abs() <= WINDOW => {
+                self.coupling = Coupling::Synchronised;
             }
-            Phase::Travels(travel) if self.gone.abs() == travel => self.phase = Phase::Synchronised,
-            Phase::Leaves if is_reached => self.phase = Phase::Open,
+            Coupling::Travels(travel) if self.gone.abs() == travel => {
+                self.coupling = Coupling::Synchronised
+            }
+            Coupling::Leaves if is_reached => self.coupling = Coupling::Open,
             _ => {}
         }
         SignedSpeed::from_bits(self.speed.saturating_mul(1 << (32 - POINT)))

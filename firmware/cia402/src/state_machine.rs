@@ -245,7 +245,7 @@ pub struct Conditions {
 
 /// How far the drive has come in its state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Phase {
+pub(crate) enum Progress {
     /// It has entered the state.
     Entered,
     /// Operation is enabled, as was ordered, and nothing waits.
@@ -262,7 +262,7 @@ pub(crate) enum Phase {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StateMachine {
     state: State,
-    phase: Phase,
+    progress: Progress,
     entered: Instant,
     quick_stop: QuickStopOption,
 }
@@ -272,7 +272,7 @@ impl StateMachine {
     pub const fn new() -> Self {
         Self {
             state: State::NotReadyToSwitchOn,
-            phase: Phase::Entered,
+            progress: Progress::Entered,
             entered: Instant::from_ticks(0),
             quick_stop: QuickStopOption::QuickStopRamp,
         }
@@ -284,8 +284,8 @@ impl StateMachine {
     }
 
     /// How far the drive has come in it.
-    pub(crate) const fn phase(&self) -> Phase {
-        self.phase
+    pub(crate) const fn progress(&self) -> Progress {
+        self.progress
     }
 
     /// When the state began.
@@ -295,8 +295,8 @@ impl StateMachine {
 
     /// The command to leave operation enabled that waits for the motor to stand.
     pub(crate) const fn pending(&self) -> Option<Command> {
-        match self.phase {
-            Phase::Leaving(command) => Some(command),
+        match self.progress {
+            Progress::Leaving(command) => Some(command),
             _ => None,
         }
     }
@@ -304,9 +304,9 @@ impl StateMachine {
     /// The master has given a command: one that leaves operation enabled by 605Bh or 605Ch waits for the motor to stand.
     pub(crate) fn order(&mut self, command: Command) {
         if self.state == State::OperationEnabled {
-            self.phase = match command {
-                Command::Shutdown | Command::SwitchOn => Phase::Leaving(command),
-                _ => Phase::Entered,
+            self.progress = match command {
+                Command::Shutdown | Command::SwitchOn => Progress::Leaving(command),
+                _ => Progress::Entered,
             };
         }
     }
@@ -314,9 +314,9 @@ impl StateMachine {
     /// Operation is enabled as was ordered, and nothing waits; or it is not so any more.
     pub(crate) fn settle(&mut self, is_settled: bool) {
         if is_settled && self.state == State::OperationEnabled {
-            self.phase = Phase::Settled;
-        } else if self.phase == Phase::Settled {
-            self.phase = Phase::Entered;
+            self.progress = Progress::Settled;
+        } else if self.progress == Progress::Settled {
+            self.progress = Progress::Entered;
         }
     }
 
@@ -324,20 +324,20 @@ impl StateMachine {
     /// `edge` of bit 7 is kept for then, unless the fault `is_new`.
     pub(crate) fn resets(&mut self, edge: bool, is_only_shown: bool, is_new: bool) -> bool {
         if self.state != State::FaultReactionActive {
-            let resets = self.phase == Phase::Reset;
+            let resets = self.progress == Progress::Reset;
             if resets {
-                self.phase = Phase::Entered;
+                self.progress = Progress::Entered;
             }
             return resets;
         }
-        let was_shown = matches!(self.phase, Phase::Shown | Phase::Reset);
-        let resets = self.phase == Phase::Reset || edge && (is_only_shown || was_shown);
-        self.phase = if resets && !is_new {
-            Phase::Reset
+        let was_shown = matches!(self.progress, Progress::Shown | Progress::Reset);
+        let resets = self.progress == Progress::Reset || edge && (is_only_shown || was_shown);
+        self.progress = if resets && !is_new {
+            Progress::Reset
         } else if is_only_shown {
-            Phase::Shown
+            Progress::Shown
         } else {
-            Phase::Entered
+            Progress::Entered
         };
         false
     }
@@ -371,8 +371,8 @@ impl StateMachine {
         self.state = transition.to;
         self.entered = now;
         // A reset counts in the state behind the reaction.
-        if !(self.state == State::Fault && self.phase == Phase::Reset) {
-            self.phase = Phase::Entered;
+        if !(self.state == State::Fault && self.progress == Progress::Reset) {
+            self.progress = Progress::Entered;
         }
         Some(*transition)
     }

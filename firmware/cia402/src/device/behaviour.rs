@@ -3,7 +3,7 @@
 use canopen::cia301::nmt::Reset;
 use canopen::{Application, Instant, od};
 
-use super::{Device, Phase};
+use super::{Activity, Device};
 use crate::behaviour::{Behaves, Behaviour};
 use crate::faults::emergency;
 
@@ -32,8 +32,8 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
         } else if requests.commands {
             self.hooks.post_commands_anew();
         }
-        if requests.reset && self.phase == Phase::Running {
-            self.phase = Phase::Stopping(Reset::Node);
+        if requests.reset && self.activity == Activity::Running {
+            self.activity = Activity::Stopping(Reset::Node);
             self.hooks.post_all_anew();
         }
         if let Some((index, sub)) = requests.order {

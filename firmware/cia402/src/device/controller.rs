@@ -13,7 +13,7 @@ use canopen::od::{self};
 use canopen::{Application, ControllerState, Duration, Instant};
 
 use super::hooks::{RESTART_DELAY, SDO_TIME_OUT};
-use super::{Device, Phase};
+use super::{Activity, Device};
 use crate::behaviour::Behaves;
 use crate::exchange::{Actuals, Share};
 
@@ -38,7 +38,7 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
     ) {
         self.node.controller_changed(state, now);
         self.look_at_bus(state == ControllerState::BusOff, exchange);
-        if self.phase == Phase::Running {
+        if self.activity == Activity::Running {
             self.post(exchange);
         }
     }

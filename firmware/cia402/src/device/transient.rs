@@ -15,7 +15,7 @@ use canopen::{Application, Frame};
 
 use motion::low;
 
-use super::{Device, Phase};
+use super::{Activity, Device};
 use crate::behaviour::Behaves;
 use crate::exchange::{Actuals, Share};
 use crate::parameters::Parameter;
@@ -62,7 +62,7 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
 
     /// Tells the drive whether a transmit PDO may show its states.
     pub(super) fn watch<X: Share>(&mut self, exchange: &mut X) {
-        let is_watched = self.phase == Phase::Running
+        let is_watched = self.activity == Activity::Running
             && self.node.state() == NmtState::Operational
             && !self.transient.is_bus_off;
         if is_watched != self.transient.is_watched {

@@ -5,7 +5,7 @@ use crate::actuator::{Actuator, ActuatorErrors};
 use crate::controlword::{Command, FAULT_RESET};
 use crate::faults::Reaction;
 use crate::objects::Objects;
-use crate::state_machine::{Phase, State};
+use crate::state_machine::{Progress, State};
 
 impl<D: Objects, A: Actuator> Drive<D, A> {
     /// The command of this tick: that of the controlword; or, as a controlword with bit 7 is none, the one before it to leave
@@ -32,7 +32,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             State::Fault | State::FaultReactionActive
         );
         let resets = is_faulty
-            && (self.machine.phase() == Phase::Reset || commands.rising & FAULT_RESET != 0);
+            && (self.machine.progress() == Progress::Reset || commands.rising & FAULT_RESET != 0);
         self.shutdown_first = hurried && (commands.stop.is_some() || resets);
         if commands.stop.is_some() {
             commands.stop

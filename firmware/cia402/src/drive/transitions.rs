@@ -7,12 +7,12 @@ use crate::controlword::Command;
 use crate::faults::Reaction;
 use crate::objects::Objects;
 use crate::option_codes::{Stop, StopRamp};
-use crate::state_machine::{Conditions, Phase, State, Transition};
+use crate::state_machine::{Conditions, Progress, State, Transition};
 
 impl<D: Objects, A: Actuator> Drive<D, A> {
     /// Whether operation is enabled as it was in the tick before, and nothing else is asked for: only a fault changes the state.
     pub(super) fn is_unchanged(&self, is_asked: bool) -> bool {
-        !is_asked && self.machine.phase() == Phase::Settled
+        !is_asked && self.machine.progress() == Progress::Settled
     }
 
     /// Faults, then the state machine, then what a transition does to the motor.

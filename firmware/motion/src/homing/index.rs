@@ -1,6 +1,6 @@
 //! The index pulse: home is the first one behind the edge of the switch, in the direction of the last move.
 
-use super::{Failure, Homing, Inputs, Order, Phase, Speed, exceeds};
+use super::{Failure, Homing, Inputs, Order, Speed, Stage, exceeds};
 use crate::Direction;
 
 impl Homing {
@@ -22,7 +22,7 @@ impl Homing {
 
     pub(super) fn begin_index(&mut self, direction: Direction, edge: i32) -> Order {
         self.edge = edge;
-        self.phase = Phase::ToIndex;
+        self.stage = Stage::ToIndex;
         self.run(direction, Speed::Zero)
     }
 

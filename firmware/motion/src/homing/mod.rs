@@ -33,7 +33,7 @@ const MOST_RUNS: u8 = 12;
 
 /// What the motor is doing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Phase {
+enum Stage {
     /// It comes to rest, or stands: the next run is to be chosen.
     Choosing,
     /// It runs to the starting point of the last move.
@@ -59,7 +59,7 @@ enum Phase {
 pub struct Homing {
     method: Method,
     settings: Settings,
-    phase: Phase,
+    stage: Stage,
     /// The direction of the last run.
     direction: Direction,
     /// Where to look for the switch.
@@ -126,7 +126,7 @@ impl Homing {
         Ok(Self {
             method,
             settings,
-            phase: Phase::Choosing,
+            stage: Stage::Choosing,
             direction: search,
             search,
             turned: false,
@@ -173,7 +173,7 @@ impl Homing {
         }))
     }
 
-    /// The order of the present phase. `passed` is the edge passed in this tick; `arrived` says that the motor has come to rest where
+    /// The order of the present stage. `passed` is the edge passed in this tick; `arrived` says that the motor has come to rest where
     /// it was ordered to.
     fn go_on(
         &mut self,
@@ -181,15 +181,15 @@ impl Homing {
         passed: Option<(i32, bool)>,
         arrived: bool,
     ) -> Result<Outcome, Failure> {
-        let order = match self.phase {
+        let order = match self.stage {
             // What was passed before the stop must not be noticed on the way back.
-            Phase::Choosing if arrived && self.pending.is_none() => return self.choose(inputs),
-            Phase::Approaching => self.approach(inputs)?,
-            Phase::LastMove => self.pass_edge(inputs, passed)?,
-            Phase::ToIndex => self.run_to_index(inputs)?,
-            Phase::RunningIntoStop => self.run_into_hard_stop(inputs)?,
-            Phase::Blocked if !self.halted => self.back_off(inputs),
-            Phase::BackingOff(_) if arrived => {
+            Stage::Choosing if arrived && self.pending.is_none() => return self.choose(inputs),
+            Stage::Approaching => self.approach(inputs)?,
+            Stage::LastMove => self.pass_edge(inputs, passed)?,
+            Stage::ToIndex => self.run_to_index(inputs)?,
+            Stage::RunningIntoStop => self.run_into_hard_stop(inputs)?,
+            Stage::Blocked if !self.halted => self.back_off(inputs),
+            Stage::BackingOff(_) if arrived => {
                 if self.settings.home_is_backed_off {
                     self.home = inputs.position;
                 }
@@ -199,13 +199,13 @@ impl Homing {
                     self.finish()
                 }
             }
-            Phase::Finishing
+            Stage::Finishing
                 if arrived && self.settings.returns && inputs.position != self.home =>
             {
-                self.phase = Phase::Returning;
+                self.stage = Stage::Returning;
                 Order::Return(self.home)
             }
-            Phase::Finishing | Phase::Returning if arrived => {
+            Stage::Finishing | Stage::Returning if arrived => {
                 return Ok(Outcome::Attained(self.home));
             }
             _ => Order::GoOn,
@@ -259,7 +259,7 @@ impl Homing {
             }
             Reference::HardStop(direction) => {
                 self.check_limits(inputs, direction)?;
-                self.phase = Phase::RunningIntoStop;
+                self.stage = Stage::RunningIntoStop;
                 self.run(direction, Speed::Search)
             }
             Reference::Switch(approach) => self.choose_run(inputs, &approach)?,
@@ -275,7 +275,7 @@ impl Homing {
         let Some(mut direction) = self.heading(approach) else {
             let direction = approach.last();
             self.check_limits(inputs, direction)?;
-            self.phase = Phase::LastMove;
+            self.stage = Stage::LastMove;
             return Ok(self.run(direction, self.last_speed()));
         };
         if self.check_limits(inputs, direction).is_err() {
@@ -287,7 +287,7 @@ impl Homing {
         if self.runs > MOST_RUNS {
             return Err(Failure::TooNarrow);
         }
-        self.phase = Phase::Approaching;
+        self.stage = Stage::Approaching;
         let speed = if self.runs > MOST_RUNS / 2 {
             Speed::Zero
         } else {
@@ -346,7 +346,7 @@ impl Homing {
             }
             self.turn(&approach)?;
         }
-        self.phase = Phase::Choosing;
+        self.stage = Stage::Choosing;
         Ok(Order::Stop)
     }
 
@@ -394,7 +394,7 @@ impl Homing {
         if self.blocked_time < u64::from(self.settings.block_time).saturating_mul(1000) {
             return Ok(Order::GoOn);
         }
-        self.phase = Phase::Blocked;
+        self.stage = Stage::Blocked;
         Ok(Order::CutOff)
     }
 
@@ -406,12 +406,12 @@ impl Homing {
             .cast_signed()
             .wrapping_mul(self.direction.reversed().sign());
         let target = inputs.position.wrapping_add(distance);
-        self.phase = Phase::BackingOff(target);
+        self.stage = Stage::BackingOff(target);
         Order::Go(target)
     }
 
     fn finish(&mut self) -> Order {
-        self.phase = Phase::Finishing;
+        self.stage = Stage::Finishing;
         Order::Stop
     }
 
@@ -422,17 +422,17 @@ impl Homing {
 
     /// A halt is over: goes on with what it interrupted.
     fn resume(&mut self) -> Order {
-        match self.phase {
-            Phase::Approaching => {
-                self.phase = Phase::Choosing;
+        match self.stage {
+            Stage::Approaching => {
+                self.stage = Stage::Choosing;
                 Order::GoOn
             }
-            Phase::LastMove => Order::Run(self.direction, self.last_speed()),
-            Phase::ToIndex => Order::Run(self.direction, Speed::Zero),
-            Phase::RunningIntoStop => Order::Run(self.direction, Speed::Search),
-            Phase::BackingOff(target) => Order::Go(target),
-            Phase::Returning => Order::Go(self.home),
-            Phase::Choosing | Phase::Blocked | Phase::Finishing => Order::GoOn,
+            Stage::LastMove => Order::Run(self.direction, self.last_speed()),
+            Stage::ToIndex => Order::Run(self.direction, Speed::Zero),
+            Stage::RunningIntoStop => Order::Run(self.direction, Speed::Search),
+            Stage::BackingOff(target) => Order::Go(target),
+            Stage::Returning => Order::Go(self.home),
+            Stage::Choosing | Stage::Blocked | Stage::Finishing => Order::GoOn,
         }
     }
 

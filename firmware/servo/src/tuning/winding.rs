@@ -41,7 +41,7 @@ const SWING: f32 = 0.3;
 const LOOKED_AT: u16 = 400;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Phase {
+enum Stage {
     Rise,
     Half,
     Whole,
@@ -88,10 +88,10 @@ pub(super) const fn field(wiring: Wiring) -> f32 {
 /// See the module.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Winding {
-    phase: Phase,
+    stage: Stage,
     /// Cosine and sine of where the field stands.
     field: (f32, f32),
-    /// Since the phase began, in s.
+    /// Since the stage began, in s.
     time: f32,
     /// Along the field and across it.
     voltage: Rotor,
@@ -118,7 +118,7 @@ impl Winding {
     pub(super) fn new(wiring: Wiring) -> Self {
         let (sine, cosine) = Angle::from_turns(field(wiring)).sine_cosine();
         Self {
-            phase: Phase::Rise,
+            stage: Stage::Rise,
             field: (cosine, sine),
             time: 0.0,
             voltage: Rotor::ZERO,
@@ -149,18 +149,18 @@ impl Winding {
         if self.time > 4.0 * WAIT {
             return Err(Failure::Winding);
         }
-        match self.phase {
-            Phase::Rise => {
+        match self.stage {
+            Stage::Rise => {
                 self.rise(setup, current, most)?;
             }
-            Phase::Half => {
+            Stage::Half => {
                 if let Some(mean) = self.lead(setup, (current, position), 0.5 * setup.current, most)
                 {
                     self.half = mean;
-                    self.enter(Phase::Whole);
+                    self.enter(Stage::Whole);
                 }
             }
-            Phase::Whole => {
+            Stage::Whole => {
                 let whole = self.lead(setup, (current, position), setup.current, most);
                 if let Some((voltage, amperes)) = whole {
                     let resistance = (voltage - self.half.0) / (amperes - self.half.1);
@@ -168,23 +168,23 @@ impl Winding {
                         return Err(Failure::Winding);
                     }
                     measured.resistance = resistance;
-                    self.enter(Phase::Back);
+                    self.enter(Stage::Back);
                 }
             }
-            Phase::Back => {
+            Stage::Back => {
                 self.voltage = along(self.half.0);
                 if self.time > LOOK {
-                    self.begin_wave(Phase::Along, current.d, most);
+                    self.begin_wave(Stage::Along, current.d, most);
                 }
             }
-            Phase::Along => {
+            Stage::Along => {
                 let seen = current.d;
                 if let Some(inductance) = self.shake(setup, seen, most, measured.resistance)? {
                     measured.inductance_d = inductance;
-                    self.begin_wave(Phase::Across, current.q, most);
+                    self.begin_wave(Stage::Across, current.q, most);
                 }
             }
-            Phase::Across => {
+            Stage::Across => {
                 let seen = current.q;
                 if let Some(inductance) = self.shake(setup, seen, most, measured.resistance)? {
                     measured.inductance_q = inductance;
@@ -211,8 +211,8 @@ impl Winding {
         }
     }
 
-    fn enter(&mut self, phase: Phase) {
-        self.phase = phase;
+    fn enter(&mut self, stage: Stage) {
+        self.stage = stage;
         self.time = 0.0;
         self.sums = (0.0, 0.0, 0.0);
     }
@@ -222,7 +222,7 @@ impl Winding {
         let half = 0.5 * setup.current;
         if current.d >= half {
             self.gain = LED * self.voltage.d / half;
-            self.enter(Phase::Half);
+            self.enter(Stage::Half);
             return Ok(());
         }
         if self.voltage.d >= 0.95 * most {
@@ -265,8 +265,8 @@ impl Winding {
         is_over.then_some((self.sums.0 * by, self.sums.1 * by))
     }
 
-    fn begin_wave(&mut self, phase: Phase, seen: f32, most: f32) {
-        self.enter(phase);
+    fn begin_wave(&mut self, stage: Stage, seen: f32, most: f32) {
+        self.enter(stage);
         self.wave = 0.01 * most;
         self.period = 0;
         self.swing = (seen, seen);
@@ -321,7 +321,7 @@ impl Winding {
             self.swing = (seen, seen);
         }
         let held = self.half.0;
-        let is_along = self.phase == Phase::Along;
+        let is_along = self.stage == Stage::Along;
         self.voltage = if is_along {
             along(held + wave)
         } else {

@@ -209,7 +209,7 @@ fn the_last_move_is_at_zero_speed_unless_it_is_set_otherwise() {
         let mut fastest = 0;
         while bench.tick(&mut homing) != Outcome::Attained(11_000) {
             assert!(bench.ticks < 50_000);
-            if homing.phase == Phase::LastMove {
+            if homing.stage == Stage::LastMove {
                 fastest = fastest.max(bench.velocity().abs());
             }
         }

@@ -9,7 +9,7 @@ fn before_the_edge(distance: i64) -> (Bench, Homing) {
     let mut bench = Bench::new(Track::with_home(POSITIVE), 20_000);
     bench.acceleration = 20_000;
     let mut homing = bench.begin(3, Settings::default()).unwrap();
-    while !(homing.phase == Phase::LastMove && bench.position - 11_000 < distance) {
+    while !(homing.stage == Stage::LastMove && bench.position - 11_000 < distance) {
         assert!(bench.ticks < 50_000);
         bench.tick(&mut homing);
     }
@@ -28,7 +28,7 @@ fn m49_a_halt_that_ends_behind_the_edge_stays_a_halt() {
         assert!(bench.velocity() >= velocity, "it speeds up in a halt");
         velocity = bench.velocity();
     }
-    assert_eq!((velocity, homing.phase), (0, Phase::ToIndex));
+    assert_eq!((velocity, homing.stage), (0, Stage::ToIndex));
     bench.halt = false;
     assert_eq!(finish(&mut bench, &mut homing), Ok(10_000));
 }
