@@ -269,7 +269,7 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
         self.hooks.protection.load();
         self.node.boot(reset, now, &mut self.hooks);
         self.take_reset();
-        exchange.lock(Exchange::tell_again);
+        exchange.lock(Exchange::show_again);
         self.refresh(now, false, exchange);
         self.start_controller();
         self.start_commissioning();

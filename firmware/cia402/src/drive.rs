@@ -239,7 +239,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         self.measure(tick);
         self.probe(tick);
         self.watch_motor(tick);
-        let restarts = self.restarts(tick);
+        let restarts = self.take_restart(tick);
         let mode_bits = if restarts {
             self.restart();
             0

@@ -223,7 +223,7 @@ impl Exchange {
     }
 
     /// This state was sent in a transmit PDO, or none has it.
-    pub fn state_shown(&mut self, state: State) {
+    pub fn mark_state_shown(&mut self, state: State) {
         self.is_seen |= State::from_statusword(self.newest().statusword) == Some(state);
     }
 
@@ -251,7 +251,7 @@ impl Exchange {
     }
 
     /// The dictionary has started anew: what it showed is to be told again.
-    pub const fn tell_again(&mut self) {
+    pub const fn show_again(&mut self) {
         self.has_news = true;
     }
 
@@ -289,7 +289,7 @@ impl Exchange {
     }
 
     /// What the recorder has become.
-    pub(crate) const fn scope_is(&mut self, status: Status) {
+    pub(crate) const fn set_scope(&mut self, status: Status) {
         self.scope = status;
     }
 

@@ -220,7 +220,7 @@ impl Faults {
 
     /// The network was lost, and 6007h makes a fault of it. The node has told of it already: 603Fh shows the code, and no
     /// other emergency message is sent.
-    pub(crate) const fn connection_lost(&mut self, code: u16) {
+    pub(crate) const fn lose_connection(&mut self, code: u16) {
         self.error_code = code;
     }
 
@@ -298,7 +298,7 @@ impl Faults {
     }
 
     /// Pulses came too late, and that is only told; or the motor stands again and nothing is late any more.
-    pub(crate) fn pulses_late(&mut self, late: bool) {
+    pub(crate) fn warn_of_late_pulses(&mut self, late: bool) {
         if late != self.late {
             self.late = late;
             self.notify(match late {
@@ -309,21 +309,21 @@ impl Faults {
     }
 
     /// Too many set-points of a cyclic mode are missing.
-    pub(crate) fn set_points_lost(&mut self) -> Reaction {
+    pub(crate) fn raise_lost_set_points(&mut self) -> Reaction {
         let mut reaction = None;
         self.raise(SET_POINTS_LOST, &mut reaction);
         reaction.unwrap_or(Reaction::AsConfigured)
     }
 
     /// A motor that moved had no pulses for a moment.
-    pub(crate) fn pulses_lost(&mut self) -> Reaction {
+    pub(crate) fn raise_lost_pulses(&mut self) -> Reaction {
         let mut reaction = None;
         self.raise(PULSES_LATE, &mut reaction);
         reaction.unwrap_or(Reaction::AsConfigured)
     }
 
     /// SYNC comes with another period than is set up (a warning), or no longer.
-    pub(crate) fn sync_differs(&mut self, differs: bool) {
+    pub(crate) fn warn_of_sync_period(&mut self, differs: bool) {
         if differs != self.sync_differs {
             self.sync_differs = differs;
             self.notify(match differs {

@@ -107,8 +107,8 @@ impl<A: Actuator> Motor<A> {
     /// At rest there is nothing left of the motion before.
     fn look_at_rest(&mut self) {
         if self.actuator.is_at_rest() {
-            self.stopped();
-            self.planned_with(0);
+            self.end_stop();
+            self.plan_with(0);
             self.stopping_at_limit = None;
         }
     }
@@ -180,9 +180,9 @@ impl<A: Actuator> Motor<A> {
         self.actuator.committed_position().abs_diff(position) > position_tolerance.into()
     }
 
-    /// Takes the limit switches that are active from now on. Returns whether the motor is running into a limit switch, and has not
-    /// been told to stop there yet.
-    pub(crate) fn meets_limit(&mut self, limits: ActiveLimits) -> bool {
+    /// Sets the limit switches that are active. Returns whether the motor runs into one of them and has not been told to stop there
+    /// yet.
+    pub(crate) fn take_limits(&mut self, limits: ActiveLimits) -> bool {
         self.active_limits = limits;
         if limits == ActiveLimits::default() {
             self.stopping_at_limit = None;
@@ -217,7 +217,7 @@ impl<A: Actuator> Motor<A> {
         self.is_free(target.saturating_sub(self.actuator.committed_position()))?;
         let (limits, ramps) = self.at_limit(limits);
         self.actuator.move_to(target, limits, ramps)?;
-        self.begun(limits);
+        self.begin_motion(limits);
         Ok(())
     }
 
@@ -232,7 +232,7 @@ impl<A: Actuator> Motor<A> {
         let (limits, ramps) = self.at_limit(limits);
         self.actuator
             .move_from_start_speed(target, start_speed, limits, ramps)?;
-        self.begun(limits);
+        self.begin_motion(limits);
         Ok(())
     }
 
@@ -247,7 +247,7 @@ impl<A: Actuator> Motor<A> {
         let (limits, ramps) = self.at_limit(limits);
         self.actuator
             .move_through(target, end_velocity, limits, ramps)?;
-        self.begun(limits);
+        self.begin_motion(limits);
         Ok(())
     }
 
@@ -256,7 +256,7 @@ impl<A: Actuator> Motor<A> {
         self.is_free(velocity.bits())?;
         let (limits, ramps) = self.at_limit(limits);
         self.actuator.ramp_to(velocity, limits, ramps)?;
-        self.begun(limits);
+        self.begin_motion(limits);
         Ok(())
     }
 
@@ -275,20 +275,20 @@ impl<A: Actuator> Motor<A> {
         }
     }
 
-    /// A motion has taken the place of a stop.
-    const fn begun(&mut self, limits: Limits) {
-        self.stopped();
-        self.planned_with(limits.deceleration);
+    /// A motion takes the place of a stop.
+    const fn begin_motion(&mut self, limits: Limits) {
+        self.end_stop();
+        self.plan_with(limits.deceleration);
     }
 
-    /// No stop is under way any more.
-    const fn stopped(&mut self) {
+    /// The stop under way is over.
+    const fn end_stop(&mut self) {
         self.stopping = None;
         self.stops_early = false;
     }
 
-    /// The motion under way has this deceleration; 0 for none.
-    const fn planned_with(&mut self, deceleration: u32) {
+    /// Notes the deceleration of the motion under way; 0 for none.
+    const fn plan_with(&mut self, deceleration: u32) {
         self.deceleration = deceleration;
         // What is needed to end where it ends is rounded up.
         self.hardest = deceleration.saturating_add(deceleration / 16);
@@ -302,7 +302,7 @@ impl<A: Actuator> Motor<A> {
         velocity: Option<(Position, MicrosQ16)>,
     ) -> Result<(), FollowError> {
         self.actuator.follow(end, to, velocity)?;
-        self.followed();
+        self.begin_following();
         Ok(())
     }
 
@@ -313,7 +313,7 @@ impl<A: Actuator> Motor<A> {
         velocity: SignedSpeed,
     ) -> Result<(), FollowError> {
         self.actuator.follow_velocity(end, velocity)?;
-        self.followed();
+        self.begin_following();
         Ok(())
     }
 
@@ -324,14 +324,14 @@ impl<A: Actuator> Motor<A> {
     pub(crate) fn hold_torque(&mut self, torque: i16) -> Result<(), Refused> {
         self.is_free(torque.into())?;
         self.actuator.hold_torque(torque).map_err(|_| Refused)?;
-        self.followed();
+        self.begin_following();
         Ok(())
     }
 
     /// Set-points take the place of a planned motion, and of its ramps.
-    const fn followed(&mut self) {
-        self.stopped();
-        self.planned_with(0);
+    const fn begin_following(&mut self) {
+        self.end_stop();
+        self.plan_with(0);
     }
 
     /// The deceleration that the motion under way is planned with, in steps/s²: no gentler one may be needed to end where it ends. 0 at
@@ -370,7 +370,7 @@ impl<A: Actuator> Motor<A> {
         let deceleration = deceleration.max(self.stopping_at_limit.unwrap_or(0));
         if self.actuator.stop(deceleration, ramps).is_ok() {
             self.stopping = Some(deceleration);
-            self.planned_with(deceleration);
+            self.plan_with(deceleration);
         } else {
             self.cut_off();
         }
@@ -409,9 +409,9 @@ impl<A: Actuator> Motor<A> {
         self.stop_on(deceleration.max(least), is_smooth);
     }
 
-    /// Whether the stop under way ends within these software limits on the ramp that it was asked for. If not, it goes on with this
-    /// deceleration, unless its own is as hard.
-    pub(crate) fn stops_within(&mut self, (low, high): (i64, i64), deceleration: u32) -> bool {
+    /// Keeps the stop under way within these software limits: if it would end beyond them, it goes on with this deceleration, unless
+    /// its own is as hard. Returns whether the ramp that was asked for still holds.
+    pub(crate) fn keep_stop_within(&mut self, (low, high): (i64, i64), deceleration: u32) -> bool {
         let end = self.actuator.destination();
         let committed = self.actuator.committed_position();
         let is_beyond = end > high.max(committed) || end < low.min(committed);
@@ -431,7 +431,7 @@ impl<A: Actuator> Motor<A> {
     pub(crate) fn cut_off(&mut self) {
         // Without current a motor coasts to an unknown position.
         self.referenced &= self.actuator.standstill();
-        self.stopped();
+        self.end_stop();
         self.stopping_at_limit = None;
         self.actuator.cut_off();
         self.cut = true;

@@ -157,7 +157,7 @@ impl Protection {
     }
 
     /// What [`Protection::check`] refused was written to this object: a wrong password counts.
-    pub(crate) fn refused(&mut self, entry: &Entry, code: AbortCode) {
+    pub(crate) fn count_refusal(&mut self, entry: &Entry, code: AbortCode) {
         if entry.index == PASSWORD && entry.sub == GIVEN && code == AbortCode::InvalidValue {
             self.open = false;
             self.production = false;

@@ -322,7 +322,12 @@ impl StateMachine {
 
     /// Whether a fault is reset that was so while its reaction was over and only shown: in fault, where that counts. In the reaction, an
     /// `edge` of bit 7 is kept for then, unless the fault `is_new`.
-    pub(crate) fn resets(&mut self, edge: bool, is_only_shown: bool, is_new: bool) -> bool {
+    pub(crate) fn take_fault_reset(
+        &mut self,
+        edge: bool,
+        is_only_shown: bool,
+        is_new: bool,
+    ) -> bool {
         if self.state != State::FaultReactionActive {
             let resets = self.progress == Progress::Reset;
             if resets {

@@ -249,7 +249,7 @@ impl Axis {
         if !self.stepper.is_on_polynomial() && self.moving && self.is_at_rest() {
             self.settle();
         }
-        if !is_done || self.stepper.overrun() {
+        if !is_done || self.stepper.take_overrun() {
             Err(AdvanceError::Internal)
         } else if starved {
             Err(AdvanceError::Underrun)
@@ -401,7 +401,7 @@ impl Axis {
         }
         let taken = sink.push_all(waiting);
         if taken < waiting.len() {
-            self.committed_part(taken);
+            self.drop_committed(taken);
             return Err(AdvanceError::SinkFull);
         }
         self.moving = true;
@@ -412,13 +412,13 @@ impl Axis {
 
     /// The sink has taken only so many of the records made.
     #[cold]
-    fn committed_part(&mut self, taken: usize) {
+    fn drop_committed(&mut self, taken: usize) {
         for record in self.stepper.waiting().iter().take(taken) {
             self.committed = self.committed.wrapping_add(record.ticks());
             self.steps = self.steps.wrapping_add(record.steps());
             self.moving = true;
         }
-        self.stepper.committed_part(taken);
+        self.stepper.drop_committed(taken);
     }
 
     /// Enters the polynomial of the motion that begins at the horizon, if it has not ended there.

@@ -196,12 +196,12 @@ impl Path {
             end: (start, at),
             rest: start,
         };
-        path.ends_with(&begin);
+        path.end_with(&begin);
         path
     }
 
     /// This is the last segment from now on.
-    fn ends_with(&mut self, last: &PathSegment) {
+    fn end_with(&mut self, last: &PathSegment) {
         let coasting = if last.velocity() == 0 {
             0
         } else {
@@ -291,7 +291,7 @@ impl Path {
                 PathSegment::cubic(start, length, from, to)
             }
         };
-        self.ends_with(&segment);
+        self.end_with(&segment);
         self.first = self.first.wrapping_add(passed);
         let free = usize::from(self.first.wrapping_add(count)) % MOST_SEGMENTS;
         if let Some(free) = self.segments.get_mut(free) {

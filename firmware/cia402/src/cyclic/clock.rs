@@ -89,8 +89,8 @@ impl Spacing {
         self.since = self.since.saturating_add(1);
     }
 
-    /// A set-point comes. Returns how long after the one before it.
-    const fn come(&mut self) -> u32 {
+    /// Counts a set-point. Returns how many SYNCs after the one before it.
+    const fn restart(&mut self) -> u32 {
         let apart = self.since;
         self.alike = if apart == self.apart {
             self.alike.saturating_add(1)
@@ -182,7 +182,7 @@ impl NetworkClock {
         self.step();
         if is_new {
             self.early = Some(event);
-            if self.is_at_slot() {
+            if self.take_set_point() {
                 return self.slot(slots);
             }
         }
@@ -200,7 +200,7 @@ impl NetworkClock {
     #[inline(never)]
     fn pass_late(&mut self, now: MicrosQ16, slots: &mut Slots) -> bool {
         let mut has_missed = false;
-        while !slots.is_full() && self.pll.misses(now) {
+        while !slots.is_full() && self.pll.count_missed(now) {
             has_missed = true;
             self.step();
             if self.since >= self.syncs_per_set_point {
@@ -216,9 +216,9 @@ impl NetworkClock {
         self.spacing.pass();
     }
 
-    /// A set-point comes. Whether it has its slot at once, wherever the slots have been.
-    fn is_at_slot(&mut self) -> bool {
-        let apart = self.spacing.come();
+    /// Counts a set-point. Returns whether it gets its slot at once, wherever the slots have been.
+    fn take_set_point(&mut self) -> bool {
+        let apart = self.spacing.restart();
         if !self.pll.is_locked() {
             self.syncs_per_set_point = self.syncs_per_set_point.min(self.since).max(1);
             return true;

@@ -169,7 +169,7 @@ impl Pll {
     }
 
     /// Lets time pass. True if the next moment has passed without its sync event.
-    pub(crate) fn misses(&mut self, now: MicrosQ16) -> bool {
+    pub(crate) fn count_missed(&mut self, now: MicrosQ16) -> bool {
         if !self.is_running {
             return false;
         }

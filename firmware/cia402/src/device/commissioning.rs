@@ -185,7 +185,7 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
     /// The same device with the serial number that production has given to it, if it has: it goes before the one of
     /// [`Device::new`].
     pub fn produced(mut self, serial_number: Option<u32>) -> Self {
-        self.hooks.produce(serial_number);
+        self.hooks.set_serial_number(serial_number);
         self
     }
 
@@ -256,7 +256,7 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
         self.hooks.commissioning.serial_number = None;
         let dictionary = self.node.dictionary_mut();
         if result.is_ok() {
-            self.hooks.produce(Some(number));
+            self.hooks.set_serial_number(Some(number));
             self.hooks.protection.end_production(dictionary);
         }
         // Whatever was written, the object tells what is stored.

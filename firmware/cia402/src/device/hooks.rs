@@ -110,7 +110,7 @@ impl<A, B: Behaviour> Hooks<A, B> {
     }
 
     /// Production has given this serial number.
-    pub(crate) fn produce(&mut self, serial_number: Option<u32>) {
+    pub(crate) fn set_serial_number(&mut self, serial_number: Option<u32>) {
         if let Some(number) = serial_number {
             self.serial_number = number;
             self.produced = number;
@@ -158,7 +158,7 @@ impl<A, B: Behaviour> Hooks<A, B> {
     }
 
     /// Parameters were loaded. A 60C2h that is the default does not count as written, as all parameters are stored.
-    pub(crate) fn loaded<D: Objects>(&mut self, dictionary: &D) {
+    pub(crate) fn note_load<D: Objects>(&mut self, dictionary: &D) {
         let period = CyclicConfiguration::of(dictionary).period;
         self.has_period = period != CyclicConfiguration::NONE.period;
     }
@@ -279,7 +279,7 @@ impl<D: Behaves, A: Application<D>> Application<D> for Hooks<A, D::Behaviour> {
     fn validate(&mut self, dictionary: &D, entry: &Entry, value: &[u8]) -> Result<(), AbortCode> {
         let parameter = D::parameter(entry);
         let protected = self.protection.check(dictionary, entry, parameter, value);
-        protected.inspect_err(|code| self.protection.refused(entry, *code))?;
+        protected.inspect_err(|code| self.protection.count_refusal(entry, *code))?;
         self.check_setting::<D>(entry, value)?;
         if D::DRIVE.scope {
             self.scope.check(dictionary, entry, value)?;

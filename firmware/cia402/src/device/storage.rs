@@ -36,7 +36,7 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
         if self.node.is_loading() {
             self.hooks.protection.load();
             self.node.load_parameters(store, now, &mut self.hooks);
-            self.hooks.loaded(self.node.dictionary());
+            self.hooks.note_load(self.node.dictionary());
             self.start_commissioning();
             self.refresh(now, false, exchange);
             self.hooks.post_all_anew();

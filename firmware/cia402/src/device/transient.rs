@@ -89,7 +89,7 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
     /// in the same PDO.
     fn tell<X: Share>(&self, exchange: &mut X) {
         if let Some(state) = self.transient.state.filter(|_| self.transient.is_done) {
-            exchange.lock(|exchange| exchange.state_shown(state));
+            exchange.lock(|exchange| exchange.mark_state_shown(state));
         }
     }
 

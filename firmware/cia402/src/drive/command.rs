@@ -45,16 +45,21 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
 
     /// Whether the master resets a fault: in this tick, or when the reaction was over already and went on only to be seen
     /// (`is_over`, and not yet `has_shown`). A fault that comes later is no one's that the master knows.
-    pub(super) fn resets_fault(&mut self, is_over: bool, has_shown: bool, is_new: bool) -> bool {
+    pub(super) fn take_fault_reset(
+        &mut self,
+        is_over: bool,
+        has_shown: bool,
+        is_new: bool,
+    ) -> bool {
         let edge = self.commands.remote && self.commands.rising & FAULT_RESET != 0;
         let is_only_shown = is_over && !has_shown;
-        edge | self.machine.resets(edge, is_only_shown, is_new)
+        edge | self.machine.take_fault_reset(edge, is_only_shown, is_new)
     }
 
     /// The fault of too many missing set-points in a cyclic mode, if 2051h:2 asks for one. The mode has stopped the motor already.
-    pub(super) fn set_points_lost(&mut self) -> Option<Reaction> {
+    pub(super) fn check_set_points(&mut self) -> Option<Reaction> {
         let cyclic = &self.configuration.cyclic;
-        self.faults.sync_differs(
+        self.faults.warn_of_sync_period(
             self.cyclic.differs() && self.modes.active().is_cyclic() && self.power.is_on(),
         );
         if !core::mem::take(&mut self.cyclic.set_points_lost) {
@@ -62,19 +67,19 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         }
         self.cyclic.lost = self.cyclic.lost.saturating_add(1);
         let is_fault = cyclic.lost.is_fault() && self.machine.state() == State::OperationEnabled;
-        is_fault.then(|| self.faults.set_points_lost())
+        is_fault.then(|| self.faults.raise_lost_set_points())
     }
 
     /// The fault of pulses that came too late, if 20A2h asks for one: the motor may have lost steps. A planner or an axis that has failed
     /// is always a fault.
-    pub(super) fn pulses_late(&mut self) -> Option<Reaction> {
+    pub(super) fn check_pulses(&mut self) -> Option<Reaction> {
         let ActuatorErrors { is_late, is_broken } = self.motor.take_errors();
         if is_broken || is_late && self.configuration.late_is_fault {
             self.motor.lose_reference();
-            return Some(self.faults.pulses_lost());
+            return Some(self.faults.raise_lost_pulses());
         }
         if is_late || self.motor.standstill() {
-            self.faults.pulses_late(is_late);
+            self.faults.warn_of_late_pulses(is_late);
         }
         None
     }

@@ -85,7 +85,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             AbortConnectionOption::FaultSignal
                 if self.power.is_on() && self.network != Network::Abandoned =>
             {
-                self.faults.connection_lost(code);
+                self.faults.lose_connection(code);
                 let command = command.filter(|given| *given == Command::DisableVoltage);
                 (true, command, Some(Reaction::AsConfigured))
             }
@@ -98,7 +98,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
 
     /// Whether the drive starts anew in this tick: a restart is asked for and has not been done, there is no power, and nothing that still
     /// has to be done. An early tick leaves that to the next one.
-    pub(super) fn restarts(&mut self, tick: &Tick<'_>) -> bool {
+    pub(super) fn take_restart(&mut self, tick: &Tick<'_>) -> bool {
         let is_idle = !self.power.is_on()
             && self.motor.standstill()
             && self.machine.state() != State::FaultReactionActive;

@@ -148,10 +148,10 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         } else {
             self.switches.active_limits()
         };
-        if self.motor.meets_limit(active) {
+        if self.motor.take_limits(active) {
             let deceleration = self.deceleration(StopRamp::QuickStop);
             self.motor.stop_at_limit(deceleration);
-            self.modes.limit_met(&self.motor);
+            self.modes.on_limit(&self.motor);
         }
         if active == ActiveLimits::default() {
             0
@@ -168,7 +168,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         }
         let deceleration = self.deceleration(StopRamp::QuickStop);
         let travel = self.limits.travel().increments;
-        if self.motor.stops_within(travel, deceleration) {
+        if self.motor.keep_stop_within(travel, deceleration) {
             0
         } else {
             statusword::INTERNAL_LIMIT

@@ -32,8 +32,8 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         );
         let control = self.control(tick, command);
         let (remote, command) = (control.is_remote, self.gated(control.command));
-        let silent = self.set_points_lost();
-        let late = self.pulses_late();
+        let silent = self.check_set_points();
+        let late = self.check_pulses();
         let reaction = detected.or(control.fault).or(silent).or(late);
         if self.is_unchanged(tick.is_asked) && reaction.is_none() {
             return;
@@ -44,7 +44,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             && self.machine.state() == State::SwitchedOn
             && !is_over;
         let has_shown = self.has_shown(tick);
-        let reset = self.resets_fault(is_over, has_shown, reaction.is_some());
+        let reset = self.take_fault_reset(is_over, has_shown, reaction.is_some());
         let conditions = Conditions {
             command: command.filter(|command| !waits || *command != Command::Shutdown),
             remote,

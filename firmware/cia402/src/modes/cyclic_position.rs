@@ -38,8 +38,8 @@ impl CyclicPosition {
     }
 
     /// A limit switch is stopping the motor.
-    pub(super) fn limit_met(&mut self) {
-        self.motion.limit_met();
+    pub(super) fn on_limit(&mut self) {
+        self.motion.on_limit();
     }
 
     /// One control tick; returns statusword bits 10 to 12.

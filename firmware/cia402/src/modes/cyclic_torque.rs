@@ -40,9 +40,9 @@ impl CyclicTorque {
     }
 
     /// A limit switch is stopping the motor.
-    pub(super) fn limit_met(&mut self, motor: &Motor<impl Actuator>) {
+    pub(super) fn on_limit(&mut self, motor: &Motor<impl Actuator>) {
         let demand = motor.torque().map_or(0, |torque| torque.demand);
-        self.held.limit_met(demand);
+        self.held.on_limit(demand);
     }
 
     /// One control tick; returns statusword bits 10 to 12.

@@ -76,7 +76,7 @@ impl CyclicVelocity {
     }
 
     /// A limit switch is stopping the motor.
-    pub(super) const fn limit_met(&mut self) {
+    pub(super) const fn on_limit(&mut self) {
         self.follows = false;
         self.goes_on = false;
         self.is_limited = true;

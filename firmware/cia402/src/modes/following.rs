@@ -134,7 +134,7 @@ impl Following {
     }
 
     /// A limit switch stops the motor.
-    pub(super) fn limit_met(&mut self) {
+    pub(super) fn on_limit(&mut self) {
         self.forget();
         self.is_limited = true;
     }

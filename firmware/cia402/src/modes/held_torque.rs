@@ -25,7 +25,7 @@ impl HeldTorque {
     }
 
     /// A limit switch is stopping the motor.
-    pub(super) fn limit_met(&mut self, torque: i16) {
+    pub(super) fn on_limit(&mut self, torque: i16) {
         self.blocked = torque.signum();
     }
 

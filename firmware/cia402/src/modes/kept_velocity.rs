@@ -88,7 +88,7 @@ impl KeptVelocity {
     }
 
     /// A limit switch is stopping the motor. A motion away from it goes on.
-    pub(super) fn limit_met(&mut self, motor: &Motor<impl Actuator>) {
+    pub(super) fn on_limit(&mut self, motor: &Motor<impl Actuator>) {
         let is_into = |order: Order| motor.is_free(order.velocity.bits()).is_err();
         if self.order.is_some_and(is_into) {
             self.keeping = Keeping::AtSwitch;

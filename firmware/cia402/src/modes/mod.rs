@@ -284,17 +284,17 @@ impl Modes {
 
     /// A limit switch is stopping the motor: what the mode was after is not reached.
     #[inline(never)]
-    pub(crate) fn limit_met(&mut self, motor: &Motor<impl Actuator>) {
+    pub(crate) fn on_limit(&mut self, motor: &Motor<impl Actuator>) {
         match &mut self.state {
             ActiveMode::NoMode | ActiveMode::Homing(_) => {}
-            ActiveMode::ProfilePosition(mode) => mode.limit_met(motor),
-            ActiveMode::Velocity(mode) => mode.limit_met(motor),
-            ActiveMode::ProfileVelocity(mode) => mode.limit_met(motor),
-            ActiveMode::InterpolatedPosition(mode) => mode.limit_met(),
-            ActiveMode::CyclicPosition(mode) => mode.limit_met(),
-            ActiveMode::CyclicVelocity(mode) => mode.limit_met(),
-            ActiveMode::ProfileTorque(mode) => mode.limit_met(motor),
-            ActiveMode::CyclicTorque(mode) => mode.limit_met(motor),
+            ActiveMode::ProfilePosition(mode) => mode.on_limit(motor),
+            ActiveMode::Velocity(mode) => mode.on_limit(motor),
+            ActiveMode::ProfileVelocity(mode) => mode.on_limit(motor),
+            ActiveMode::InterpolatedPosition(mode) => mode.on_limit(),
+            ActiveMode::CyclicPosition(mode) => mode.on_limit(),
+            ActiveMode::CyclicVelocity(mode) => mode.on_limit(),
+            ActiveMode::ProfileTorque(mode) => mode.on_limit(motor),
+            ActiveMode::CyclicTorque(mode) => mode.on_limit(motor),
         }
     }
 

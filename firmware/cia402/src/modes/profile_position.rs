@@ -133,7 +133,7 @@ impl ProfilePosition {
 
     /// A limit switch is stopping the motor: the set-points are not carried out. One that leads away from the switch is: the motor
     /// was turning round to it.
-    pub(super) fn limit_met(&mut self, motor: &Motor<impl Actuator>) {
+    pub(super) fn on_limit(&mut self, motor: &Motor<impl Actuator>) {
         let leads_away = self.current.is_some_and(|set_point| {
             let distance = set_point.target.saturating_sub(motor.committed_position());
             motor.is_free(distance).is_ok()

@@ -54,8 +54,8 @@ impl ProfileVelocity {
     }
 
     /// A limit switch is stopping the motor.
-    pub(super) fn limit_met(&mut self, motor: &Motor<impl Actuator>) {
-        self.motion.limit_met(motor);
+    pub(super) fn on_limit(&mut self, motor: &Motor<impl Actuator>) {
+        self.motion.on_limit(motor);
     }
 
     /// One control tick; returns statusword bits 10 to 13.

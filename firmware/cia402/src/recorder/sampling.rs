@@ -138,7 +138,7 @@ impl<M: Deref<Target = Memory>> Recorder<M> {
             memory: self.memory.words().saturating_mul(4),
             tick: self.tick,
         };
-        exchange.lock(|exchange| exchange.scope_is(status));
+        exchange.lock(|exchange| exchange.set_scope(status));
     }
 
     /// What there is to do in a tick in which it records.

@@ -132,14 +132,14 @@ impl Stepper {
     }
 
     /// Only the first `records` of them have been committed.
-    pub(crate) fn committed_part(&mut self, records: usize) {
-        self.train.committed_part(records);
+    pub(crate) fn drop_committed(&mut self, records: usize) {
+        self.train.drop_committed(records);
     }
 
     /// Whether a record was lost since this was asked last: there is room for all that a chord can make.
     #[inline]
-    pub(crate) const fn overrun(&mut self) -> bool {
-        self.train.overrun()
+    pub(crate) const fn take_overrun(&mut self) -> bool {
+        self.train.take_overrun()
     }
 
     /// Steps due when the axis is there, with their sign.

@@ -133,7 +133,7 @@ impl Train {
     }
 
     /// Only the first `records` of them have been committed.
-    pub(super) fn committed_part(&mut self, records: usize) {
+    pub(super) fn drop_committed(&mut self, records: usize) {
         let made = self.made;
         let left = made.get(records..).unwrap_or_default();
         // What stays behind them is not looked at.
@@ -144,7 +144,7 @@ impl Train {
     }
 
     /// Whether there was no room for a record since this was asked last.
-    pub(super) const fn overrun(&mut self) -> bool {
+    pub(super) const fn take_overrun(&mut self) -> bool {
         core::mem::replace(&mut self.is_overrun, false)
     }
 

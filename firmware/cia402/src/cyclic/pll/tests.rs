@@ -61,7 +61,7 @@ proptest! {
                 pll.on_sync_event(now << POINT, [expected << POINT, 0]);
             } else {
                 for _ in 0..4 {
-                    pll.misses(now << POINT);
+                    pll.count_missed(now << POINT);
                 }
             }
             prop_assert!((SHORTEST..=LONGEST).contains(&pll.period()));
@@ -102,7 +102,7 @@ fn another_period_is_found_after_a_while() {
     let begin = 1_000_000 + 100 * 4_000;
     for k in 0..200 {
         let stamp = micros(begin + k * 1_000);
-        pll.misses(stamp);
+        pll.count_missed(stamp);
         pll.on_sync_event(stamp, [micros(4_000), 0]);
     }
     assert!(pll.is_locked());
@@ -115,9 +115,9 @@ fn m64_missed_beats_are_counted_and_do_not_move_the_moments() {
     let moments = run(&mut pll, 1_000, &[0; 200]);
     let last = moments[199];
     let now = last + micros(2_600);
-    assert!(pll.misses(now));
-    assert!(pll.misses(now));
-    assert!(!pll.misses(now));
+    assert!(pll.count_missed(now));
+    assert!(pll.count_missed(now));
+    assert!(!pll.count_missed(now));
     assert_eq!(pll.missed(), 2);
     assert!((span(last, pll.at()) - 2_000 * MICRO).abs() < MICRO);
     assert_eq!(
@@ -138,7 +138,7 @@ fn silence_ends_the_lock_and_not_the_moments() {
     let mut now = pll.at();
     for _ in 0..20 {
         now += micros(1_000);
-        while pll.misses(now) {}
+        while pll.count_missed(now) {}
     }
     assert_eq!(pll.state(), 0);
     assert!(pll.is_running());
