@@ -105,8 +105,8 @@ impl Servo {
             }
             // MSPEED is another name of it.
             (0x35A3, 1) => {
-                let most = number(dictionary, 0x35A3, 1);
-                put_number(dictionary, 0x6080, 0, most);
+                let max = number(dictionary, 0x35A3, 1);
+                put_number(dictionary, 0x6080, 0, max);
                 Self::limit_speed(dictionary);
             }
             (0x6080 | SPEEDS | 0x35B4, _) => Self::limit_speed(dictionary),
@@ -139,10 +139,10 @@ impl Servo {
         let own = number(dictionary, SPEEDS, 1);
         let mode = number(dictionary, 0x6060, 0);
         let has_own = own > 0 && matches!(mode, TORQUE | DIGITAL_CURRENT | ANALOGUE_CURRENT);
-        let most = number(dictionary, 0x6080, 0);
-        put_number(dictionary, 0x35A3, 1, most);
-        let most = if has_own { most.min(own) } else { most };
-        put_number(dictionary, SPEEDS, 2, most);
+        let max = number(dictionary, 0x6080, 0);
+        put_number(dictionary, 0x35A3, 1, max);
+        let max = if has_own { max.min(own) } else { max };
+        put_number(dictionary, SPEEDS, 2, max);
     }
 
     /// The analogue input asks for a current. Returns whether it is another one.
@@ -242,7 +242,7 @@ impl Servo {
     /// MNUMBER: the data of a motor that the drive knows.
     fn take_motor<D: Dictionary>(&mut self, dictionary: &mut D, report: &LoopReport) {
         // ESPEED.
-        put_number(dictionary, 0x3675, 1, report.most_speed.into());
+        put_number(dictionary, 0x3675, 1, report.max_speed.into());
         if !core::mem::take(&mut self.is_chosen) || number(dictionary, 0x3599, 1) != KNOWN_MOTOR {
             return;
         }
@@ -262,7 +262,7 @@ impl Servo {
         ] {
             put_number(dictionary, index, 1, value);
         }
-        put_number(dictionary, 0x6080, 0, report.most_speed.into());
+        put_number(dictionary, 0x6080, 0, report.max_speed.into());
         Self::limit_speed(dictionary);
     }
 

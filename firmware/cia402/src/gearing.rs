@@ -214,7 +214,7 @@ impl Follower {
         self.rest = rest;
         let master = self.ratio.velocity(self.master);
         let step = |ramp: u32| (i64::from(ramp.max(1)) << POINT) / (SECOND / elapsed).max(1);
-        let (goal, most) = match self.coupling {
+        let (goal, max) = match self.coupling {
             Coupling::Open => (0, i64::MAX),
             Coupling::Leaves => (0, step(ramps.decouple)),
             Coupling::Ramps => (master, step(ramps.couple)),
@@ -242,7 +242,7 @@ impl Follower {
             }
         };
         let from = self.speed;
-        self.speed = goal.clamp(from.saturating_sub(most), from.saturating_add(most));
+        self.speed = goal.clamp(from.saturating_sub(max), from.saturating_add(max));
         let is_reached = self.speed == goal;
         match self.coupling {
             Coupling::Ramps if is_reached => {

@@ -196,7 +196,7 @@ pub struct LoopReport {
     /// The peak of that.
     pub peak_current: u32,
     /// The fastest that it may turn, in 1/min.
-    pub most_speed: u32,
+    pub max_speed: u32,
     /// The electrical angle that the magnet has where the encoder is at 0, without the offset of the settings, in turns of 2¹⁶.
     pub zero: u16,
     /// The lead of a stepper's field in hundredths of a full step.

@@ -7,7 +7,7 @@ use crate::iterations::Iterations;
 use crate::low;
 
 /// Digits of a quotient at most: a numerator has four, one more when it is shifted, two are behind the point, and a divisor has one at least.
-const MOST_DIGITS: u32 = 6;
+const MAX_DIGITS: u32 = 6;
 
 /// A digit is estimated from the leading digit of the divisor, whose first bit is set: never too small, and too large by no more than this
 /// (Knuth, The Art of Computer Programming, 4.3.1).
@@ -68,7 +68,7 @@ impl Divisor {
         let mut second = u64::from(pair(d, c, shift)) << 32 | u64::from(pair(c, b, shift));
         let mut rest = u64::from(pair(b, a, shift)) << 32 | u64::from(a << shift);
         let mut left = 5 - self.length + digits;
-        let mut iterations = Iterations::at_most(MOST_DIGITS);
+        let mut iterations = Iterations::at_most(MAX_DIGITS);
         // Digits in front that are 0.
         while left != 0 && first == 0 && ((second >> 32) as u32) < self.high {
             iterations.count();

@@ -105,13 +105,13 @@ mod tests {
 
     #[test]
     fn what_no_timer_can_do_is_cut() {
-        let most = Nanoseconds {
+        let max = Nanoseconds {
             pulse_high: u32::MAX,
             pulse_low: u32::MAX,
             direction_setup: u32::MAX,
             direction_hold: 0,
         };
-        let timing = most.in_ticks(Clock::new(168_000_000).unwrap());
+        let timing = max.in_ticks(Clock::new(168_000_000).unwrap());
         assert_eq!(timing.pulse_high, 32_767);
         assert_eq!(timing.pulse_low, 1 << 24);
         assert_eq!(

@@ -127,10 +127,10 @@ impl SignedSpeed {
         Self(self.0.saturating_sub(other.0))
     }
 
-    /// The velocity nearest to this one of an amount that is not greater than `most`.
-    pub const fn within(self, most: Speed) -> Self {
-        if self.0.unsigned_abs() > most.0 {
-            most.with_sign_of(self)
+    /// The velocity nearest to this one of an amount that is not greater than `max`.
+    pub const fn within(self, max: Speed) -> Self {
+        if self.0.unsigned_abs() > max.0 {
+            max.with_sign_of(self)
         } else {
             self
         }
@@ -176,8 +176,8 @@ mod tests {
 
     #[test]
     fn a_velocity_is_cut_in_its_direction() {
-        let most = Speed::per_second(100);
-        let within = |steps: i32| SignedSpeed::per_second(steps).within(most).whole();
+        let max = Speed::per_second(100);
+        let within = |steps: i32| SignedSpeed::per_second(steps).within(max).whole();
         assert_eq!([within(99), within(101), within(-101)], [99, 100, -100]);
         assert_eq!(within(i32::MIN), -100);
     }

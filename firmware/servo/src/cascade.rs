@@ -86,10 +86,10 @@ pub struct Limits {
 
 impl Limits {
     /// The same both ways.
-    pub const fn both(most: f32) -> Self {
+    pub const fn both(max: f32) -> Self {
         Self {
-            positive: most,
-            negative: most,
+            positive: max,
+            negative: max,
         }
     }
 }
@@ -194,22 +194,22 @@ impl Cascade {
     pub fn run(&mut self, demand: &Demand, actual: Actual, limits: Limits) -> f32 {
         self.compare(demand, actual);
         let least = -within(limits.negative, 0.0, FASTEST);
-        let most = within(limits.positive, 0.0, FASTEST);
+        let max = within(limits.positive, 0.0, FASTEST);
         let at_once = self.at_once(demand);
         let growth = self.gains.integral * self.gains.velocity * self.period * self.inertia;
         let sum = self.sum + growth * self.velocity_error;
         // It adds up while there is room for it, or on its way back.
         let wanted = at_once + sum;
-        let is_away = (wanted > most && sum > self.sum) || (wanted < least && sum < self.sum);
+        let is_away = (wanted > max && sum > self.sum) || (wanted < least && sum < self.sum);
         if !is_away {
             self.sum = limit(sum, FASTEST);
         }
-        let mut current = between(wanted, least, most);
+        let mut current = between(wanted, least, max);
         self.is_limited = current != wanted;
         for filter in &mut self.filters {
             current = filter.run(current);
         }
-        between(current, least, most)
+        between(current, least, max)
     }
 
     /// Looks at what is away from what is wanted.

@@ -90,7 +90,7 @@ pub struct ControlConfig {
     /// A rotor that is slower than this, in rad/s, for so long, in s, though it is pushed as hard as may be, is blocked; 0 s is never.
     pub blocked: (f32, f32),
     /// The fastest that the motor may turn, in rad/s.
-    pub most_speed: f32,
+    pub max_speed: f32,
 }
 
 /// What is told of the current fades in this time, in s.
@@ -433,17 +433,17 @@ impl Control {
 
     /// The least of all limits, as currents.
     fn limits(&self, heat: f32, velocity: f32, bus: f32) -> Limits {
-        let (positive, negative) = self.order.map_or((0.0, 0.0), |order| order.most);
+        let (positive, negative) = self.order.map_or((0.0, 0.0), |order| order.max_torque);
         let by_torque = 1.0 / self.motor.torque_constant();
         let braking = self.config.bus.braking(bus);
         // Slow motion gives nothing back: what brakes there is lost in the winding.
         let brakes = velocity.abs() > 1.0;
         let within = |torque: f32, is_braking: bool| {
-            let most = between(torque * by_torque, 0.0, heat);
+            let max = between(torque * by_torque, 0.0, heat);
             if is_braking && brakes {
-                most * braking
+                max * braking
             } else {
-                most
+                max
             }
         };
         Limits {
@@ -454,12 +454,12 @@ impl Control {
 
     /// What is left of the limits before a speed, in counts/s.
     fn below_speed(&self, limits: Limits, speed: f32, velocity: f32) -> Limits {
-        let most = limit(speed, 1e12) * self.count;
+        let max = limit(speed, 1e12) * self.count;
         let push = self.config.gains.velocity * self.motor.inertia / self.motor.torque_constant();
         let left = |room: f32, limit: f32| between(push * room, -limit, limit);
         Limits {
-            positive: left(most - velocity, limits.positive),
-            negative: left(most + velocity, limits.negative),
+            positive: left(max - velocity, limits.positive),
+            negative: left(max + velocity, limits.negative),
         }
     }
 

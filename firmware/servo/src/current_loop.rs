@@ -54,7 +54,7 @@ pub struct CurrentConfig {
     /// The share of what the model does not know that a period takes up.
     pub learning: f32,
     /// The greatest current that is ever asked for, as the peak of a phase, in A.
-    pub most: f32,
+    pub max_current: f32,
     /// The current of a phase at which the gates go off, in A.
     pub trip: f32,
     /// The least and the greatest voltage of the bus at which the gates are on, in V.
@@ -70,7 +70,7 @@ impl CurrentConfig {
             period,
             share: 0.93,
             learning: 0.4,
-            most: motor.peak_current,
+            max_current: motor.peak_current,
             trip,
             bus,
             weakening: 0.0,
@@ -128,7 +128,7 @@ struct Axis {
 
 impl Axis {
     fn new(inductance: f32, config: &CurrentConfig) -> Self {
-        let telling = TELLING * config.most;
+        let telling = TELLING * config.max_current;
         Self {
             inductance,
             half: 0.5 * config.period / inductance,
@@ -180,7 +180,7 @@ pub struct CurrentLoop {
     d: Axis,
     q: Axis,
     quarter: f32,
-    most_square: f32,
+    max_square: f32,
     weakening: FieldWeakening,
     /// The voltage that acts, seen from the rotor in the middle of its period.
     voltage: Rotor,
@@ -209,15 +209,15 @@ impl CurrentLoop {
         modulation: Modulation,
     ) -> Result<Self, Implausible> {
         let motor = motor.checked()?;
-        let (least, most) = config.bus;
+        let (least, max) = config.bus;
         let is_one = is_within(config.period, 5e-6, 1e-3)
             && is_within(config.share, 1e-3, 1.0)
             && is_within(config.learning, 0.0, 0.5)
-            && is_within(config.most, 0.0, 1e4)
+            && is_within(config.max_current, 0.0, 1e4)
             && is_within(config.trip, 0.0, 1e4)
-            && is_within(config.weakening, 0.0, config.most)
-            && is_within(least, 1.0, most)
-            && is_within(most, least, 2e3);
+            && is_within(config.weakening, 0.0, config.max_current)
+            && is_within(least, 1.0, max)
+            && is_within(max, least, 2e3);
         let current_loop = Self {
             config,
             modulation,
@@ -227,7 +227,7 @@ impl CurrentLoop {
             d: Axis::new(motor.inductance_d, &config),
             q: Axis::new(motor.inductance_q, &config),
             quarter: config.period / 4.0,
-            most_square: config.most * config.most,
+            max_square: config.max_current * config.max_current,
             weakening: FieldWeakening::new(config.weakening),
             voltage: Rotor::ZERO,
             current: Rotor::ZERO,
@@ -350,9 +350,9 @@ impl CurrentLoop {
             d: needed.d + self.d.correction(demand.d - begin.d),
             q: needed.q + self.q.correction(demand.q - begin.q),
         };
-        let most = self.modulation.most(sample.bus);
-        self.weakening.look(wanted, most);
-        let voltage = in_circle(wanted, most, begin.q * speed < 0.0);
+        let max = self.modulation.max_voltage(sample.bus);
+        self.weakening.look(wanted, max);
+        let voltage = in_circle(wanted, max, begin.q * speed < 0.0);
         self.voltage = voltage;
         let early = Rotor {
             d: voltage.d - turn * voltage.q,
@@ -371,10 +371,10 @@ impl CurrentLoop {
     /// Ends everything if a measured value is beyond its bounds or is no number.
     #[inline]
     fn check(&mut self, sample: &Sample) -> Result<(), Trip> {
-        let (least, most) = self.config.bus;
+        let (least, max) = self.config.bus;
         if self.is_held(sample)
             && sample.bus >= least
-            && sample.bus <= most
+            && sample.bus <= max
             && !matches!(self.state, State::Tripped(_))
         {
             return Ok(());
@@ -446,14 +446,14 @@ impl CurrentLoop {
     /// What may be asked for: d first, and of q what the circle leaves.
     #[inline]
     fn within_limits(&self, demand: Rotor) -> Rotor {
-        let most = self.config.most;
-        let d = limit(demand.d + self.weakening.current(), most);
-        let q = limit(demand.q, most);
+        let max = self.config.max_current;
+        let d = limit(demand.d + self.weakening.current(), max);
+        let q = limit(demand.q, max);
         let square = d * d;
-        if square + q * q <= self.most_square {
+        if square + q * q <= self.max_square {
             return Rotor { d, q };
         }
-        let left = root(self.most_square - square);
+        let left = root(self.max_square - square);
         Rotor {
             d,
             q: limit(q, left),
@@ -464,22 +464,22 @@ impl CurrentLoop {
 /// A voltage in the circle. While the motor drives d comes first, and q has what is left. While it brakes the voltage is as near as it comes to the one that is
 /// wanted: d first would leave q to the magnet where the current takes the whole voltage, and q would run away. What is no number is 0.
 #[inline]
-fn in_circle(wanted: Rotor, most: f32, brakes: bool) -> Rotor {
-    if wanted.square() <= most * most {
+fn in_circle(wanted: Rotor, max: f32, brakes: bool) -> Rotor {
+    if wanted.square() <= max * max {
         return wanted;
     }
     if !brakes {
-        let d = limit(wanted.d, most);
+        let d = limit(wanted.d, max);
         return Rotor {
             d,
-            q: limit(wanted.q, root(most * most - d * d)),
+            q: limit(wanted.q, root(max * max - d * d)),
         };
     }
     let wanted = Rotor {
         d: limit(wanted.d, 1e6),
         q: limit(wanted.q, 1e6),
     };
-    let share = most / root(wanted.square()).max(most);
+    let share = max / root(wanted.square()).max(max);
     Rotor {
         d: wanted.d * share,
         q: wanted.q * share,

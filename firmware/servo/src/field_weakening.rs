@@ -14,14 +14,14 @@ const RATE: f32 = 0.01;
 /// See the module.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FieldWeakening {
-    most: f32,
+    max: f32,
     current: f32,
 }
 
 impl FieldWeakening {
     /// With a current of at most so many A; 0 for none.
-    pub(crate) const fn new(most: f32) -> Self {
-        Self { most, current: 0.0 }
+    pub(crate) const fn new(max: f32) -> Self {
+        Self { max, current: 0.0 }
     }
 
     /// The current in d, in A: 0 or below.
@@ -36,14 +36,14 @@ impl FieldWeakening {
 
     /// Looks at a voltage that is wanted, and at the circle, in V.
     #[inline]
-    pub(crate) fn look(&mut self, wanted: Rotor, most: f32) {
-        if self.most == 0.0 {
+    pub(crate) fn look(&mut self, wanted: Rotor, max: f32) {
+        if self.max == 0.0 {
             return;
         }
-        let full = FULL * most * most;
+        let full = FULL * max * max;
         // Far beyond the circle it moves no faster than with nothing wanted it comes back.
         let left = limit((full - wanted.square()) / full, 1.0);
-        let current = self.current + RATE * self.most * left;
-        self.current = within(current, -self.most, 0.0);
+        let current = self.current + RATE * self.max * left;
+        self.current = within(current, -self.max, 0.0);
     }
 }

@@ -7,7 +7,7 @@ use crate::motor::Implausible;
 use crate::number::{is_within, limit};
 
 /// What no current is beyond, in A.
-const MOST: f32 = 1e4;
+const MAX: f32 = 1e4;
 
 /// A filter with its memory.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,7 +74,7 @@ impl Filter {
     /// As if this had come for ever.
     #[inline(never)]
     pub fn settle(&mut self, value: f32) {
-        let value = limit(value, MOST);
+        let value = limit(value, MAX);
         let [first, second, third] = self.ahead;
         let sum = first + second + third;
         let [near, far] = self.back;
@@ -88,7 +88,7 @@ impl Filter {
     /// The next value.
     #[inline]
     pub fn run(&mut self, value: f32) -> f32 {
-        let value = limit(value, MOST);
+        let value = limit(value, MAX);
         let [first, second, third] = self.ahead;
         let [near, far] = self.back;
         let [new, old] = self.memory;
@@ -119,14 +119,14 @@ mod tests {
     /// The amplitude of a sine behind the filter.
     fn gain(filter: Filter, frequency: f32) -> f32 {
         let mut filter = filter;
-        let mut most = 0.0_f32;
+        let mut max = 0.0_f32;
         for period in 0..20_000_u16 {
             let out = filter.run((TAU * frequency * PERIOD * f32::from(period)).sin());
             if period > 10_000 {
-                most = most.max(out.abs());
+                max = max.max(out.abs());
             }
         }
-        most
+        max
     }
 
     #[test]

@@ -54,7 +54,7 @@ impl Modulation {
 
     /// The greatest amplitude of a voltage on this bus, in V.
     #[inline]
-    pub fn most(&self, bus: f32) -> f32 {
+    pub fn max_voltage(&self, bus: f32) -> f32 {
         match self.wiring {
             Wiring::TwoPhase => bus * self.reach,
             Wiring::ThreePhase => bus * self.reach * THREE_PHASE_REACH,
@@ -73,8 +73,8 @@ impl Modulation {
             Wiring::TwoPhase => [limit(a, self.reach), limit(b, self.reach), 0.0],
             Wiring::ThreePhase => {
                 let c = c * by_bus + given_back(ic);
-                let (most, least) = (greater(a, greater(b, c)), lesser(a, lesser(b, c)));
-                let middle = 0.5 - 0.5 * (most + least);
+                let (max, least) = (greater(a, greater(b, c)), lesser(a, lesser(b, c)));
+                let middle = 0.5 - 0.5 * (max + least);
                 let edge = 0.5 - 0.5 * self.reach;
                 [a, b, c].map(|phase| within(phase + middle, edge, 1.0 - edge))
             }
@@ -95,7 +95,7 @@ mod tests {
         fn the_widths_make_the_voltage(part in 0.0..1.0_f32, bits: u32, bus in 10.0..60.0_f32) {
             for wiring in [Wiring::TwoPhase, Wiring::ThreePhase] {
                 let modulation = Modulation::new(wiring, 0.0, 0.1, 1.0).unwrap();
-                let wanted = Rotor { d: modulation.most(bus) * part, q: 0.0 }
+                let wanted = Rotor { d: modulation.max_voltage(bus) * part, q: 0.0 }
                     .beside_stator(Angle::from_bits(bits).sine_cosine());
                 let widths = modulation.widths(wanted, [0.0; 3], 1.0 / bus);
                 let made = Stator::of_phases(wiring, widths.map(|width| width * bus));

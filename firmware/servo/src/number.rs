@@ -17,17 +17,17 @@ pub fn limit(value: f32, bound: f32) -> f32 {
     }
 }
 
-/// The value from `least` to `most`; what is no number is what lies next to 0 there.
+/// The value from `min` to `max`; what is no number is what lies next to 0 there.
 #[inline(never)]
-pub fn between(value: f32, least: f32, most: f32) -> f32 {
-    if value > most {
-        most
-    } else if value >= least {
+pub fn between(value: f32, min: f32, max: f32) -> f32 {
+    if value > max {
+        max
+    } else if value >= min {
         value
-    } else if value < least || least > 0.0 {
-        least
-    } else if most < 0.0 {
-        most
+    } else if value < min || min > 0.0 {
+        min
+    } else if max < 0.0 {
+        max
     } else {
         0.0
     }
@@ -45,16 +45,16 @@ pub fn lesser(one: f32, other: f32) -> f32 {
     if one < other { one } else { other }
 }
 
-/// The value from `least` to `most`; what is no number is `least`.
+/// The value from `min` to `max`; what is no number is `min`.
 #[inline]
-pub fn within(value: f32, least: f32, most: f32) -> f32 {
-    lesser(greater(value, least), most)
+pub fn within(value: f32, min: f32, max: f32) -> f32 {
+    lesser(greater(value, min), max)
 }
 
 /// Whether a value lies in a range; what is no number does not.
 #[inline(never)]
-pub fn is_within(value: f32, least: f32, most: f32) -> bool {
-    value >= least && value <= most
+pub fn is_within(value: f32, min: f32, max: f32) -> bool {
+    value >= min && value <= max
 }
 
 /// The square root; 0 of what is below the least normal number, or is no number. Within 10⁻⁶ of it.

@@ -52,7 +52,7 @@ pub struct StepperConfig {
     /// With so many full steps/s what was held back is made up, beside the demand's own speed.
     pub speed: f32,
     /// The fastest that both together go, in full steps/s.
-    pub most_speed: f32,
+    pub max_speed: f32,
     /// The whole current, in A.
     pub current: f32,
     /// The share of it at rest without a load, 0.05 to 1.
@@ -121,7 +121,7 @@ pub struct Stepper {
     way: f32,
     /// What is made up, and the fastest, in electrical rad/s.
     made_up: f32,
-    most_speed: f32,
+    max_speed: f32,
     /// The share of what is left of the lead at rest that a period adds to the field, and what it has added, in parts of a count.
     trims: f32,
     trim: i64,
@@ -147,7 +147,7 @@ impl Stepper {
         let motor = motor.checked()?;
         let is_one = is_within(config.bound, 1.1, 1.7)
             && is_within(config.speed, 1.0, 1e5)
-            && is_within(config.most_speed, 1.0, 1e6)
+            && is_within(config.max_speed, 1.0, 1e6)
             && is_within(config.current, 1e-3, motor.peak_current)
             && is_within(config.at_rest, 0.05, 1.0)
             && is_within(config.fall, 1e-3, 100.0)
@@ -168,7 +168,7 @@ impl Stepper {
             bound: (config.bound * full_step) as i64,
             way: period * full_step * ARC,
             made_up: config.speed / ARC,
-            most_speed: config.most_speed / ARC,
+            max_speed: config.max_speed / ARC,
             trims: TRIM * period,
             trim: 0,
             damping: damping * full_step * ARC,
@@ -228,8 +228,8 @@ impl Stepper {
         self.is_beyond || !is_kept && self.behind.unsigned_abs() as f32 * self.full_steps > 1.0
     }
 
-    /// A period, in which no current is to be above `most` A.
-    pub fn run(&mut self, demand: &StepperDemand, rotor: &Rotor, most: f32) -> Field {
+    /// A period, in which no current is to be above `max` A.
+    pub fn run(&mut self, demand: &StepperDemand, rotor: &Rotor, max: f32) -> Field {
         self.take_back(demand.position);
         let full_step = 1.0 / self.full_steps;
         let away = demand
@@ -252,8 +252,8 @@ impl Stepper {
             lead.saturating_sub(limit(self.damping * faster, full_step) as i64)
         } else {
             // A full step pulls hardest, also while it brakes.
-            let most = 2.0 * self.config.bound * full_step;
-            let gives_way = limit(self.damping * faster, most) as i64;
+            let max = 2.0 * self.config.bound * full_step;
+            let gives_way = limit(self.damping * faster, max) as i64;
             within(held.saturating_sub(gives_way), full_step as i64)
         };
         let steps = between(
@@ -264,7 +264,7 @@ impl Stepper {
         (self.lead, self.is_beyond) = (steps, is_beyond);
         Field {
             angle: rotor.angle.plus(self.turned(field)),
-            current: between(self.current_for(steps.abs()), 0.0, limit(most, 1e4)),
+            current: between(self.current_for(steps.abs()), 0.0, limit(max, 1e4)),
             lead: steps,
             is_beyond,
         }
@@ -286,11 +286,11 @@ impl Stepper {
         } else {
             demand.speed
         };
-        let speed = between(self.most_speed - toward, 0.0, self.made_up);
-        let most = ((speed * self.way) as i64).max(1);
-        let back = within(self.behind, most);
+        let speed = between(self.max_speed - toward, 0.0, self.made_up);
+        let max = ((speed * self.way) as i64).max(1);
+        let back = within(self.behind, max);
         self.behind = self.behind.saturating_sub(back);
-        if back.saturating_abs() == most {
+        if back.saturating_abs() == max {
             limit(sign as f32 * speed, self.made_up)
         } else {
             0.0
@@ -317,8 +317,8 @@ impl Stepper {
         let last = self.last.replace(position).unwrap_or(position);
         let change = position.saturating_sub(last);
         if change.signum() == -self.behind.signum() {
-            let most = i64::try_from(self.behind.unsigned_abs()).unwrap_or(i64::MAX);
-            self.behind = self.behind.saturating_add(within(change, most));
+            let max = i64::try_from(self.behind.unsigned_abs()).unwrap_or(i64::MAX);
+            self.behind = self.behind.saturating_add(within(change, max));
         }
     }
 

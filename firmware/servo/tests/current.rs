@@ -53,11 +53,11 @@ fn a_step_is_there_in_six_periods_with_a_motor_that_is_off_by_30_percent() {
                 rig.periods(20, q(0.0));
                 // Not more than the bus has enough for.
                 let step = 0.15 * f64::from(peak);
-                let mut most = 0.0_f64;
+                let mut max = 0.0_f64;
                 for period in 1..=40 {
                     rig.period(q(step as f32));
                     let current = rig.plant.current()[1];
-                    most = most.max(current / step - 1.0);
+                    max = max.max(current / step - 1.0);
                     if period >= 6 {
                         let away = (current / step - 1.0).abs();
                         worst.0 = worst.0.max(away);
@@ -67,10 +67,10 @@ fn a_step_is_there_in_six_periods_with_a_motor_that_is_off_by_30_percent() {
                         );
                     }
                 }
-                worst.1 = worst.1.max(most);
+                worst.1 = worst.1.max(max);
                 assert!(
-                    most <= 0.1,
-                    "{name} R·{resistance} L·{inductance}: {most} beyond"
+                    max <= 0.1,
+                    "{name} R·{resistance} L·{inductance}: {max} beyond"
                 );
             }
         }
@@ -119,7 +119,7 @@ fn a_bus_without_a_rest_winds_nothing_up() {
     let data = held(&SERVO_100W);
     let known = motor(&SERVO_100W, 4.0, 12.0);
     let config = CurrentConfig {
-        most: 100.0,
+        max_current: 100.0,
         ..CurrentConfig::quick(&known, PERIOD, 100.0, BUS)
     };
     let mut rig = Rig::new(Plant::new(data, 1), known, config);
@@ -225,7 +225,7 @@ proptest! {
         samples in prop::collection::vec((prop::array::uniform6(any_number()), any::<u32>()), 1..40),
     ) {
         let base = motor(&if two_phase { NEMA17 } else { SERVO_100W }, 4.0, 12.0);
-        let [resistance, ld, lq, flux, most, weakening] = data;
+        let [resistance, ld, lq, flux, max, weakening] = data;
         let chosen = Motor {
             resistance: resistance.abs(),
             inductance_d: ld.abs() * 1e-3,
@@ -238,7 +238,7 @@ proptest! {
             period: PERIOD * (0.2 + gains[0]),
             share: gains[1],
             learning: gains[2] / 2.0,
-            most: most.abs(),
+            max_current: max.abs(),
             trip: 1e4 * gains[3],
             bus: (1.0, 2e3),
             weakening: weakening.abs(),
@@ -260,7 +260,7 @@ proptest! {
                     current.start();
                 }
                 let asked = current.demand();
-                prop_assert!(asked.d.hypot(asked.q) <= config.most * 1.000_01);
+                prop_assert!(asked.d.hypot(asked.q) <= config.max_current * 1.000_01);
             }
         }
     }
@@ -306,7 +306,7 @@ fn a_rotor_that_is_braked_fast_keeps_its_current() {
         let known = motor(&data, rated, peak);
         let mut data = held(&data);
         data.supply.capacitance = 1e3;
-        let bus = rig::modulation(&data, known.wiring).most(data.supply.voltage as f32);
+        let bus = rig::modulation(&data, known.wiring).max_voltage(data.supply.voltage as f32);
         let magnet = f64::from(bus / (known.flux * f32::from(known.pole_pairs)));
         for speed in 1..=19 {
             for share in [0.5, 0.75, 1.0] {
@@ -317,14 +317,14 @@ fn a_rotor_that_is_braked_fast_keeps_its_current() {
                 let mut rig = Rig::new(plant, known, config);
                 rig.is_told = true;
                 rig.periods(40, q(0.3 * peak));
-                let mut most = 0.0_f64;
+                let mut max = 0.0_f64;
                 for _ in 0..400 {
                     rig.period(q(-share * peak));
                     let [d, q] = rig.plant.current();
-                    most = most.max(d.hypot(q) / f64::from(peak));
+                    max = max.max(d.hypot(q) / f64::from(peak));
                 }
                 let what = format!("{name}, {share} of its peak at {part} of its speed");
-                assert!(most < 1.25, "{what}: {most}");
+                assert!(max < 1.25, "{what}: {max}");
                 let [d, q] = rig.plant.current().map(|amperes| amperes / f64::from(peak));
                 // Up to a third of the speed all of it is there, and a good part of it at each.
                 let least = if part < 0.34 { 0.98 } else { 0.45 };
@@ -340,7 +340,7 @@ fn a_rotor_that_is_driven_fast_has_what_the_bus_leaves() {
     for (name, data) in axes::ALL {
         let (rated, peak) = currents(name);
         let known = motor(&data, rated, peak);
-        let bus = rig::modulation(&data, known.wiring).most(data.supply.voltage as f32);
+        let bus = rig::modulation(&data, known.wiring).max_voltage(data.supply.voltage as f32);
         let magnet = f64::from(bus / (known.flux * f32::from(known.pole_pairs)));
         let config = CurrentConfig::quick(&known, PERIOD, 2.0 * peak, BUS);
         let plant = Plant::new(held(&data), 1).turning(0.0, 0.88 * magnet);

@@ -171,8 +171,8 @@ fn a_disturbance_is_taken_out_in_50_ms() {
     servo.follow(0.05, stand);
     let worst = servo.follow(0.05, stand);
     println!("{worst:.2} counts away after 50 ms");
-    let most = servo.follow(0.1, stand);
-    assert!(worst <= 2.0 && most <= 2.0, "{worst} {most}");
+    let max = servo.follow(0.1, stand);
+    assert!(worst <= 2.0 && max <= 2.0, "{worst} {max}");
 }
 
 /// From a held velocity to a torque to a position: the current goes on where it was.

@@ -19,7 +19,7 @@ const CONFIG: StepperConfig = StepperConfig {
     beyond: Beyond::MadeUpAtOnce,
     bound: 1.5,
     speed: 400.0,
-    most_speed: 4_000.0,
+    max_speed: 4_000.0,
     current: 2.4,
     at_rest: 0.4,
     fall: 0.05,
@@ -41,7 +41,7 @@ struct Axis {
     speed: f64,
     field: Option<Field>,
     /// The greatest true lead, in full steps.
-    most: f64,
+    max: f64,
 }
 
 impl Axis {
@@ -54,7 +54,7 @@ impl Axis {
             demand: 0.0,
             speed: 0.0,
             field: None,
-            most: 0.0,
+            max: 0.0,
         }
     }
 
@@ -79,7 +79,7 @@ impl Axis {
         let lead = field
             .angle
             .minus(rig::turned(self.rig.plant.electrical_angle()));
-        self.most = self.most.max(f64::from(lead.turns().abs()) * 4.0);
+        self.max = self.max.max(f64::from(lead.turns().abs()) * 4.0);
         self.rig.act(&sample, field.seen_from(sample.angle));
         self.field = Some(field);
     }
@@ -104,7 +104,7 @@ fn a_load_that_is_too_great_costs_no_step() {
         axis.rig.plant.load_brake = 1.3 * holding();
         axis.run(200.0, 0.1);
         assert!(axis.away() < -15.0, "it cannot follow: {}", axis.away());
-        assert!(axis.most < 1.6, "{}", axis.most);
+        assert!(axis.max < 1.6, "{}", axis.max);
         axis.rig.plant.load_brake = 0.0;
         axis.run(200.0, 0.02);
         let behind = axis.stepper.behind();
@@ -206,7 +206,7 @@ fn no_load_profile_costs_a_step() {
         assert!(axis.rig.tripped.is_none());
         assert_eq!(axis.stepper.behind(), 0, "profile {profile}");
         // The rotor goes on by some tenths of a count while a period lasts.
-        let over = axis.most - bound;
+        let over = axis.max - bound;
         assert!(over < 0.2, "profile {profile}: {over} beyond {bound}");
         assert!(
             axis.away().abs() < 0.15,

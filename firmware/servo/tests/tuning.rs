@@ -27,13 +27,13 @@ impl Chance {
         self.0
     }
 
-    fn between(&mut self, least: f64, most: f64) -> f64 {
-        least + (most - least) * (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
+    fn between(&mut self, least: f64, max: f64) -> f64 {
+        least + (max - least) * (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
     /// Evenly on a scale of factors.
-    fn scaled(&mut self, least: f64, most: f64) -> f64 {
-        least * (most / least).powf(self.between(0.0, 1.0))
+    fn scaled(&mut self, least: f64, max: f64) -> f64 {
+        least * (max / least).powf(self.between(0.0, 1.0))
     }
 
     fn one_of(&mut self, numbers: &[u16]) -> u16 {
@@ -62,18 +62,18 @@ fn random(seed: u64) -> Sample {
             chance.one_of(&[1, 2, 3, 4, 5, 7, 8, 10, 11, 14, 20, 21]),
         )
     };
-    let most = match phases {
+    let max = match phases {
         Phases::Two => bus,
         Phases::Three => bus / 3_f64.sqrt(),
     };
-    let resistance = most / rated * chance.scaled(0.03, 0.2);
+    let resistance = max / rated * chance.scaled(0.03, 0.2);
     let inductance_d = resistance * chance.scaled(0.6e-3, 4e-3);
     let fastest = if is_stepper {
         chance.scaled(60.0, 200.0)
     } else {
         chance.scaled(150.0, 600.0)
     };
-    let flux = most / (f64::from(pole_pairs) * fastest);
+    let flux = max / (f64::from(pole_pairs) * fastest);
     let gear = phases.count() as f64 / 2.0 * f64::from(pole_pairs);
     let torque = gear * flux * rated;
     let inertia = torque / chance.scaled(2_000.0, 40_000.0);
@@ -149,7 +149,7 @@ fn setup(data: &PlantData, current: f64, rated: f64) -> Setup {
         ),
         modulation: modulation(data, wiring),
         way: 0.5,
-        most_speed: 400.0,
+        max_speed: 400.0,
     }
 }
 

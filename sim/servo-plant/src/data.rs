@@ -168,13 +168,13 @@ pub struct SensorData {
     pub current_count: f64,
     /// What the converter can show, in A.
     pub current_range: f64,
-    /// The age of a measured current in steps of the plant, up to [`SensorData::MOST_DELAY`].
+    /// The age of a measured current in steps of the plant, up to [`SensorData::MAX_DELAY`].
     pub current_delay: usize,
 }
 
 impl SensorData {
     /// See [`SensorData::current_delay`].
-    pub const MOST_DELAY: usize = 15;
+    pub const MAX_DELAY: usize = 15;
 
     /// An encoder of so many counts, and nothing that is not ideal.
     pub const fn ideal(counts: u32) -> Self {

@@ -50,7 +50,7 @@ pub struct Readings {
 #[derive(Clone, Debug)]
 pub(crate) struct Sensors {
     /// The currents of the last steps, the newest at `newest`.
-    past: [[f64; 3]; SensorData::MOST_DELAY + 1],
+    past: [[f64; 3]; SensorData::MAX_DELAY + 1],
     newest: usize,
     /// Turns of the index at the last step, and the count where it was passed.
     turns: f64,
@@ -62,7 +62,7 @@ impl Sensors {
     /// Sensors of a rotor that is at this angle.
     pub(crate) fn new(data: &SensorData, angle: f64) -> Self {
         Self {
-            past: [[0.0; 3]; SensorData::MOST_DELAY + 1],
+            past: [[0.0; 3]; SensorData::MAX_DELAY + 1],
             newest: 0,
             turns: turns_of_index(data, angle),
             index: None,
@@ -94,7 +94,7 @@ impl Sensors {
             self.last_angle = angle;
         }
         let seen = self.last_angle;
-        let delay = data.current_delay.min(SensorData::MOST_DELAY);
+        let delay = data.current_delay.min(SensorData::MAX_DELAY);
         let oldest = (self.newest + self.past.len() - delay) % self.past.len();
         let true_currents = self.past[oldest];
         let mut currents: [f64; 3] = std::array::from_fn(|phase| {

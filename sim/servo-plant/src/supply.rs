@@ -13,7 +13,7 @@ pub(crate) struct Supply {
     /// Of the supply without load, in V.
     open: f64,
     /// What the supply drives into a short, in A.
-    most: f64,
+    max: f64,
     /// What an ampere takes from the bus in a step, in V.
     taken: f64,
 }
@@ -56,7 +56,7 @@ impl Supply {
             ways: [false, true]
                 .map(|feeds| [false, true].map(|chops| Way::new(data, feeds, chops))),
             open: data.voltage,
-            most: data.voltage / data.resistance,
+            max: data.voltage / data.resistance,
             taken: STEP / data.capacitance,
         }
     }
@@ -71,12 +71,12 @@ impl Supply {
         let Way { conductance, reach } = self.ways[usize::from(feeds)][usize::from(chops)];
         let mut current = -drawn;
         if feeds {
-            current += self.most;
+            current += self.max;
         }
         self.voltage = (before + (current - conductance * before) * reach).max(0.0);
         if feeds {
             let middle = f64::midpoint(before, self.voltage);
-            ((self.most - middle * self.ways[1][0].conductance) * middle * STEP).max(0.0)
+            ((self.max - middle * self.ways[1][0].conductance) * middle * STEP).max(0.0)
         } else {
             0.0
         }

@@ -299,14 +299,14 @@ fn a_phase_that_is_cut_carries_nothing() {
         for phase in 0..data.motor.phases.count() {
             let mut plant = Plant::new(data, 1);
             plant.cut_phase = Some(phase);
-            let mut most = 0.0_f64;
+            let mut max = 0.0_f64;
             for _ in 0..2_000 {
                 run(&mut plant, [3.0, 4.0], STEP);
                 assert!(plant.phase_currents()[phase].abs() < 1e-9);
                 let others = plant.phase_currents();
-                most = others.into_iter().fold(most, f64::max);
+                max = others.into_iter().fold(max, f64::max);
             }
-            assert!(most > 0.1, "the others do: {most}");
+            assert!(max > 0.1, "the others do: {max}");
         }
     }
 }

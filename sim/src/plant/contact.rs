@@ -181,7 +181,7 @@ fn bounces(now: u64, time: Duration, chance: &mut Chance) -> VecDeque<u64> {
     if nanoseconds == 0 {
         return VecDeque::new();
     }
-    let changes = 2 * (1 + chance.next() % MOST_BOUNCES);
+    let changes = 2 * (1 + chance.next() % MAX_BOUNCES);
     let mut times: Vec<u64> = (0..changes)
         .map(|_| now + 1 + chance.next() % nanoseconds)
         .collect();
@@ -190,4 +190,4 @@ fn bounces(now: u64, time: Duration, chance: &mut Chance) -> VecDeque<u64> {
 }
 
 /// How often a contact opens again at most.
-const MOST_BOUNCES: u64 = 6;
+const MAX_BOUNCES: u64 = 6;

@@ -236,8 +236,8 @@ macro_rules! every_parameter {
             /// What may be asked of a motor whose current is measured, and what it is. Where a data sheet has no limit, the motor's own holds.
             in torque: TorqueConfiguration {
                 command TargetTorque target_torque 0x6071:0 i16 = 0, "0.1 %";
-                setting MaxTorque max_torque 0x6072:0 u16 = u16::MAX, "0.1 %" => most: plain;
-                setting MaxCurrent max_current 0x6073:0 u16 = u16::MAX, "0.1 %" => most_current: plain;
+                setting MaxTorque max_torque 0x6072:0 u16 = u16::MAX, "0.1 %" => max: plain;
+                setting MaxCurrent max_current 0x6073:0 u16 = u16::MAX, "0.1 %" => max_current: plain;
                 shown TorqueDemand set_torque_demand 0x6074:0 i16 = _, "0.1 %";
                 setting MotorRatedCurrent motor_rated_current 0x6075:0 u32 = 0, "mA" => rated_current: plain;
                 setting MotorRatedTorque motor_rated_torque 0x6076:0 u32 = 0, "mNm" => rated: plain;

@@ -53,7 +53,7 @@ pub struct ServoOrder {
     /// What is given ahead of the loops beside the velocity of the goal.
     pub velocity_ahead: SignedSpeed,
     /// The greatest positive and negative torque, in µN·m.
-    pub most: (u32, u32),
+    pub max_torque: (u32, u32),
     /// The greatest current, in mA.
     pub current: u32,
     /// The fastest while a torque is held.
@@ -209,22 +209,22 @@ impl<L: EmitterLock> ServoAxis<L> {
         };
         let torque = i32::from(self.held.unwrap_or(self.ahead));
         let torque = torque.saturating_mul(i32::try_from(self.rated).unwrap_or(i32::MAX));
-        let most = |limit: u16, rated: u32| match limit {
+        let max = |limit: u16, rated: u32| match limit {
             u16::MAX => u32::MAX,
             _ => u32::from(limit).saturating_mul(rated),
         };
-        let positive = most(self.limits.positive, self.rated);
-        let negative = most(self.limits.negative, self.rated);
+        let positive = max(self.limits.positive, self.rated);
+        let negative = max(self.limits.negative, self.rated);
         port.order(&ServoOrder {
             goal,
             torque: self.signed(torque),
             velocity_ahead: self.turned(self.velocity_ahead),
-            most: if self.is_reversed {
+            max_torque: if self.is_reversed {
                 (negative, positive)
             } else {
                 (positive, negative)
             },
-            current: match most(self.limits.current, self.rated_current) {
+            current: match max(self.limits.current, self.rated_current) {
                 u32::MAX => u32::MAX,
                 limit => limit / 1_000,
             },

@@ -12,7 +12,7 @@ use super::pll::{Arrival, Pll};
 use super::{MicrosQ16, POINT, Pipeline, SyncEvent, SyncStatus, micros_q16};
 
 /// The most slots in one control tick.
-const MOST: usize = 4;
+const MAX: usize = 4;
 
 /// So many set-points in a row that are as far apart tell how often they come.
 const STEADY: u8 = 8;
@@ -21,7 +21,7 @@ const STEADY: u8 = 8;
 const PAUSE: u32 = 8;
 
 /// The slots of a control tick, in their order.
-pub(crate) type Slots = Vec<Slot, MOST>;
+pub(crate) type Slots = Vec<Slot, MAX>;
 
 /// A moment for a set-point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -236,8 +236,8 @@ impl Pll {
         }
         // Jitter is a second at most.
         let likely = self.jitter.wrapping_mul(4).wrapping_add(SLACK);
-        let most = self.period / 4;
-        if likely < most { likely } else { most }
+        let max = self.period / 4;
+        if likely < max { likely } else { max }
     }
 
     fn follow_jitter(&mut self, error: u64) {

@@ -90,8 +90,8 @@ impl Schedule {
             .unwrap_or_else(|| pll.at().wrapping_sub(self.sync_lead()));
         let off = span(grid, wanted);
         let off = nearest(off, tick);
-        let most = tick / 32;
-        self.tick.wrapping_add_signed(-off.max(-most).min(most))
+        let max = tick / 32;
+        self.tick.wrapping_add_signed(-off.max(-max).min(max))
     }
 
     /// The next moment at which the motor is at a set-point, seen from the next tick.

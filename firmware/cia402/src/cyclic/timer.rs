@@ -68,8 +68,8 @@ impl TickTimer {
 
     /// A length that a tick may have.
     fn within(&self, length: i64) -> i64 {
-        let most = self.nominal.saturating_add(self.nominal / 8);
-        length.max(self.nominal / 2).min(most)
+        let max = self.nominal.saturating_add(self.nominal / 8);
+        length.max(self.nominal / 2).min(max)
     }
 }
 

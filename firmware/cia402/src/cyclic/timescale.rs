@@ -43,8 +43,8 @@ impl Timescale {
     pub(crate) fn compare(&mut self, now: MicrosQ16, played: u64) {
         let measured = played.wrapping_sub(self.whole(now));
         let apart = measured.wrapping_sub(self.ahead).cast_signed();
-        let most = u64::from(self.ticks_per_micro).wrapping_mul(APART) >> POINT;
-        self.ahead = if self.is_running && apart.unsigned_abs() <= most {
+        let max = u64::from(self.ticks_per_micro).wrapping_mul(APART) >> POINT;
+        self.ahead = if self.is_running && apart.unsigned_abs() <= max {
             self.ahead.wrapping_add_signed(apart >> 6)
         } else {
             measured

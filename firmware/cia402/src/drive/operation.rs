@@ -32,9 +32,9 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         }
         let torque = &self.configuration.torque;
         let limits = TorqueLimits {
-            positive: torque.most.min(torque.positive),
-            negative: torque.most.min(torque.negative),
-            current: torque.most_current,
+            positive: torque.max.min(torque.positive),
+            negative: torque.max.min(torque.negative),
+            current: torque.max_current,
             velocity: self.configuration.max_velocity,
         };
         let is_ahead = matches!(

@@ -53,7 +53,7 @@ struct Knot {
     /// The time for it.
     interval: MicrosQ16,
     /// The longest distance that is allowed in this time.
-    most: i64,
+    max_distance: i64,
 }
 
 /// The times of the path segment to the next set-point.
@@ -157,12 +157,12 @@ impl Following {
             // It is still being stopped.
             return Outcome::Followed;
         }
-        let most = REACH;
+        let max = REACH;
         let here = context.motor.committed_position();
         let goal = target.map(|target| {
             target
-                .max(here.saturating_sub(most))
-                .min(here.saturating_add(most))
+                .max(here.saturating_sub(max))
+                .min(here.saturating_add(max))
         });
         if let Some(goal) = goal
             && self.stands_at(goal, here)
@@ -185,7 +185,7 @@ impl Following {
         };
         let before = self.distance;
         let seconds = seconds(segment.interval);
-        let most = distance_at(context.max_velocity(), seconds);
+        let max = distance_at(context.max_velocity(), seconds);
         let is_usual = segment.interval.abs_diff(slot.period) <= slot.period / 64;
         let velocity = if is_usual {
             self.velocity
@@ -193,14 +193,14 @@ impl Following {
             over(self.velocity, slot.period, segment.interval)
         };
         let was_catching_up = self.is_catching_up;
-        self.distance = self.allowed(required, velocity, most, seconds, context);
+        self.distance = self.allowed(required, velocity, max, seconds, context);
         self.is_limited |= goal != target;
         let knot = Knot {
             end,
             at: self.at.wrapping_add(self.distance),
             distance: self.distance,
             interval: segment.interval,
-            most,
+            max_distance: max,
         };
         if was_catching_up || self.is_catching_up {
             let distance = over(knot.distance, segment.interval, slot.period);
@@ -318,13 +318,13 @@ impl Following {
         Some(self.goal.wrapping_shl(POINT).wrapping_sub(self.at))
     }
 
-    /// The distance within all limits. Set-points move at `velocity`, and `most` is the longest distance allowed.
+    /// The distance within all limits. Set-points move at `velocity`, and `max` is the longest distance allowed.
     #[inline(never)]
     fn allowed(
         &mut self,
         required: i64,
         velocity: i64,
-        most: i64,
+        max: i64,
         seconds: u64,
         context: &Context<'_, impl Types>,
     ) -> i64 {
@@ -349,19 +349,19 @@ impl Following {
             // A steady motion keeps to limits of any size.
             let least = MaxChange::rounding(self.rounding);
             self.set_points.may_be_followed_by(at, least) || {
-                let most = MaxChange {
+                let max = MaxChange {
                     up: gain(context.configuration.max_acceleration, seconds),
                     down: gain(context.configuration.max_deceleration, seconds),
                     ..least
                 };
-                self.set_points.may_be_followed_by(at, most)
+                self.set_points.may_be_followed_by(at, max)
             }
         };
-        let is_in_reach = required.saturating_abs() <= most && is_within_ramps;
+        let is_in_reach = required.saturating_abs() <= max && is_within_ramps;
         let distance = if is_in_reach {
             required
         } else {
-            self.catch_up(required, velocity, most, ramps(seconds, context))
+            self.catch_up(required, velocity, max, ramps(seconds, context))
         };
         let distance = if has_ends {
             self.before_limit(distance, seconds, context)
@@ -376,7 +376,7 @@ impl Following {
     }
 
     /// The distance in this period on a ramp that ends with the set-points, at their velocity.
-    fn catch_up(&self, required: i64, velocity: i64, most: i64, (up, down): (i64, i64)) -> i64 {
+    fn catch_up(&self, required: i64, velocity: i64, max: i64, (up, down): (i64, i64)) -> i64 {
         let behind = required.saturating_sub(velocity);
         let gained = braking_distance(behind.saturating_abs(), down).min(behind.saturating_abs());
         let gained = if behind < 0 {
@@ -386,8 +386,8 @@ impl Following {
         };
         let wanted = velocity
             .saturating_add(gained)
-            .max(most.wrapping_neg())
-            .min(most);
+            .max(max.wrapping_neg())
+            .min(max);
         let grows = wanted.saturating_abs() > self.distance.saturating_abs();
         let step = if grows { up } else { down };
         wanted
@@ -417,8 +417,8 @@ impl Following {
         if may_brake_behind(distance.unsigned_abs(), available, down) {
             return distance;
         }
-        let most = braking_distance(available.max(0), down);
-        distance.max(most.wrapping_neg()).min(most)
+        let max = braking_distance(available.max(0), down);
+        distance.max(max.wrapping_neg()).min(max)
     }
 
     /// Gives a set-point to the axis; on a cubic the one before it. What the axis does not take, the next distance makes up for.
@@ -465,22 +465,17 @@ const fn is_monotone(first: i64, last: i64, knot: Knot) -> bool {
     let sign = knot.distance.signum();
     let distance = knot.distance.saturating_abs();
     let (first, last) = (first.saturating_mul(sign), last.saturating_mul(sign));
-    let (within, most) = (distance.saturating_mul(3), knot.most);
+    let (within, max) = (distance.saturating_mul(3), knot.max_distance);
     // The middle one of the three points that span the velocity.
     let middle = within.saturating_sub(first).saturating_sub(last);
-    0 <= first
-        && first <= within
-        && last <= within
-        && first <= most
-        && last <= most
-        && middle <= most
+    0 <= first && first <= within && last <= within && first <= max && last <= max && middle <= max
 }
 
 /// Twice a unit of the user and an increment: what rounding four ends may make of the difference between two distances.
 fn rounding(context: &Context<'_, impl Types>) -> i64 {
     let unit = context.units().position(1).saturating_abs();
-    let most = unit.max(1).saturating_add(1).saturating_mul(2);
-    most.min(1 << 40) << POINT
+    let max = unit.max(1).saturating_add(1).saturating_mul(2);
+    max.min(1 << 40) << POINT
 }
 
 /// The distance that stays within the software limits, or leads back to them.

@@ -32,11 +32,11 @@ impl HeldTorque {
     /// Holds a torque, in thousandths of the rated one. Returns bit 11.
     pub(super) fn hold(&mut self, asked: i16, context: &mut Context<'_, impl Types>) -> u16 {
         let limits = context.configuration.torque;
-        let positive = limits.most.min(limits.positive);
-        let negative = limits.most.min(limits.negative);
+        let positive = limits.max.min(limits.positive);
+        let negative = limits.max.min(limits.negative);
         let least = i16::try_from(negative).map_or(-i16::MAX, i16::wrapping_neg);
-        let most = i16::try_from(positive).unwrap_or(i16::MAX);
-        let torque = asked.min(most).max(least);
+        let max = i16::try_from(positive).unwrap_or(i16::MAX);
+        let torque = asked.min(max).max(least);
         let sign = torque.signum();
         if sign != self.blocked && sign != 0 {
             self.blocked = 0;

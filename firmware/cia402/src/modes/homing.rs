@@ -210,10 +210,10 @@ impl Homing {
         if let Progress::UnderWay(search) = &self.progress
             && !context.motor.standstill()
         {
-            let most = context.configuration.max_deceleration;
+            let max = context.configuration.max_deceleration;
             context
                 .motor
-                .stop(search.configuration.acceleration.min(most));
+                .stop(search.configuration.acceleration.min(max));
         }
         self.progress = Progress::Idle;
     }
@@ -302,9 +302,9 @@ fn carry_out(
         }
         Order::Stop => {
             if !context.motor.standstill() {
-                let most = context.configuration.max_deceleration;
-                search.is_limited = configuration.acceleration > most;
-                context.motor.stop(configuration.acceleration.min(most));
+                let max = context.configuration.max_deceleration;
+                search.is_limited = configuration.acceleration > max;
+                context.motor.stop(configuration.acceleration.min(max));
             }
         }
         Order::Go(target) | Order::Return(target) => {

@@ -40,10 +40,10 @@ pub fn count_at_edge(registers: &impl Registers, channel: Option<CaptureChannel>
         .map(|(_, register)| registers.read(register));
     // The period of the next run, which is about that of this one. Where pulses are few it is long, and a part of theirs.
     let period = registers.read(Register::Arr).wrapping_add(1);
-    let most = LATEST.checked_div(period).unwrap_or(0).wrapping_add(1);
+    let max = LATEST.checked_div(period).unwrap_or(0).wrapping_add(1);
     let now = registers.read(Register::CounterCnt);
     captured
-        .filter(|captured| now.wrapping_sub(*captured) <= most)
+        .filter(|captured| now.wrapping_sub(*captured) <= max)
         .unwrap_or(now)
 }
 

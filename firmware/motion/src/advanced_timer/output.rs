@@ -17,7 +17,7 @@ use crate::record::SHORTEST_RECORD;
 const SILENT_SLOTS: u32 = 64;
 
 /// Slots that may be written ahead.
-const MOST_SLOTS: u32 = low::word(SLOTS) - SILENT_SLOTS;
+const MAX_SLOTS: u32 = low::word(SLOTS) - SILENT_SLOTS;
 
 /// Words of the whole ring.
 const ALL_WORDS: u32 = low::word(SLOTS * WORDS);
@@ -29,7 +29,7 @@ const LEAD_IN: u32 = 1 << 12;
 const TWO_BURSTS: u32 = 2 * SHORTEST_RECORD;
 
 /// The most polls of a clock or a register: either changes in less time.
-const MOST_POLLS: u32 = 200;
+const MAX_POLLS: u32 = 200;
 
 /// Ticks after which the DMA has surely come to another slot of a train: the longest run has 65,535.
 const STALL_TICKS: u32 = 80 << 10;
@@ -328,7 +328,7 @@ impl<'a, R: Registers> Output<'a, R> {
     /// Waits until a burst is over that the timer may want still.
     fn let_bursts_end(&self) {
         let began = self.registers.now();
-        for _ in 0..MOST_POLLS {
+        for _ in 0..MAX_POLLS {
             if self.registers.now().wrapping_sub(began) >= TWO_BURSTS {
                 break;
             }
@@ -344,7 +344,7 @@ impl<'a, R: Registers> Output<'a, R> {
     /// It is off only when the word under way has been written.
     fn switch_stream_off(&mut self) {
         self.registers.write(Register::StreamCr, bits::STREAM);
-        for _ in 0..MOST_POLLS {
+        for _ in 0..MAX_POLLS {
             if !self.is_stream_on() {
                 break;
             }

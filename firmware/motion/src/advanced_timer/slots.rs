@@ -10,7 +10,7 @@ use crate::{Direction, Record};
 pub(super) const LONGEST_PERIOD: u32 = 0xFFFF;
 
 /// Most periods of a run: the repetition counter has 8 bits.
-pub(super) const MOST_PERIODS: u32 = 256;
+pub(super) const MAX_PERIODS: u32 = 256;
 
 /// Longest run of a record, in ticks. A slot can be written until the run before it begins, so short runs leave a late processor
 /// more time. (What is silent behind the last record takes longer.)
@@ -37,7 +37,7 @@ impl Words {
 
     /// As long as a run can be, without a pulse.
     pub(super) const fn silent(direction: u32) -> Self {
-        Self::run(LONGEST_PERIOD, MOST_PERIODS, 0, direction)
+        Self::run(LONGEST_PERIOD, MAX_PERIODS, 0, direction)
     }
 
     /// The level of the direction signal.
@@ -95,8 +95,8 @@ impl Runs {
 /// In how many runs so many periods are, none longer than a run may be: what waits for a plan is reckoned with that. `None` if a period is.
 #[inline]
 fn number_of_runs(period: u32, periods: u32) -> Option<u32> {
-    let most = LONGEST_RUN.checked_div(period)?.min(MOST_PERIODS);
-    periods.checked_add(most)?.wrapping_sub(1).checked_div(most)
+    let max = LONGEST_RUN.checked_div(period)?.min(MAX_PERIODS);
+    periods.checked_add(max)?.wrapping_sub(1).checked_div(max)
 }
 
 /// Where slots are written, one behind the other.

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 
 use super::count::PulseCount;
 use super::ring::{Ring, SLOTS};
-use super::slots::{LONGEST_PERIOD, LONGEST_RUN, MOST_PERIODS, Place, Remainder, Runs, Words};
+use super::slots::{LONGEST_PERIOD, LONGEST_RUN, MAX_PERIODS, Place, Remainder, Runs, Words};
 use crate::Direction::{Forward, Reverse};
 use crate::Record;
 use crate::record::SHORTEST_RECORD;
@@ -51,7 +51,7 @@ proptest! {
         let mut ticks = 0u64;
         for words in slots_of(record) {
             let [reload, repetitions, width, level] = words.0;
-            prop_assert!(reload < LONGEST_PERIOD && repetitions < MOST_PERIODS);
+            prop_assert!(reload < LONGEST_PERIOD && repetitions < MAX_PERIODS);
             prop_assert_eq!(level, LONGEST_PERIOD);
             prop_assert!(words.ticks() >= SHORTEST_RECORD, "{:?} of {:?}", words, record);
             let longest = LONGEST_RUN.max(u32::from(record.width) + 2 * SHORTEST_RECORD);
@@ -83,7 +83,7 @@ fn runs_share_out_their_periods() {
             while left > 0 {
                 let share = runs.next();
                 assert!(
-                    (1..=MOST_PERIODS.min(left)).contains(&share),
+                    (1..=MAX_PERIODS.min(left)).contains(&share),
                     "{periods} of {period}"
                 );
                 left -= share;
@@ -95,17 +95,17 @@ fn runs_share_out_their_periods() {
 proptest! {
     /// Written at once it is the same pulses at the same ticks as part by part, and no slot beside its own is touched.
     #[test]
-    fn slots_written_at_once_add_up_to_their_record(record in any_record(), first in 0u32..1_000, most in 0usize..192) {
+    fn slots_written_at_once_add_up_to_their_record(record in any_record(), first in 0u32..1_000, max in 0usize..192) {
         let ring = Ring::new();
         ring.silence(0, SLOTS as u32, 0);
         let slots = ring.from(first);
-        let slots = slots.get(..most).unwrap_or(slots);
+        let slots = slots.get(..max).unwrap_or(slots);
         let mut place = Place::new(slots, LONGEST_PERIOD);
         let is_written = place.put(&record).is_some();
         let number = (slots.len() - place.free.len()) as u32;
         prop_assert_eq!(is_written, number > 0);
         let (behind, mut last) = (first + number, place.last);
-        let silent = [0, LONGEST_PERIOD - 1, MOST_PERIODS - 1, 0, 0];
+        let silent = [0, LONGEST_PERIOD - 1, MAX_PERIODS - 1, 0, 0];
         prop_assert_eq!(ring.words(behind), silent);
         prop_assert_eq!(ring.words(first.wrapping_sub(1)), silent);
         // What is left is a tick for each part of a period.
@@ -113,7 +113,7 @@ proptest! {
         let (mut ticks, mut rises) = (0u64, Vec::new());
         for slot in first..behind {
             let [_, reload, repetitions, width, level] = ring.words(slot);
-            prop_assert!(reload < LONGEST_PERIOD && repetitions < MOST_PERIODS);
+            prop_assert!(reload < LONGEST_PERIOD && repetitions < MAX_PERIODS);
             prop_assert_eq!(level, LONGEST_PERIOD);
             let run = (reload + 1) * (repetitions + 1);
             prop_assert!((SHORTEST_RECORD..=LONGEST_RUN + more).contains(&run), "{} of {:?}", run, record);

@@ -29,7 +29,7 @@ use method::{Approach, AtLimit, End, Reference, Switch};
 
 /// Runs from one stop to the next while a switch is looked for, until homing gives up; from the
 /// middle on they are at the slow speed, so that a narrow switch that was run over is found.
-const MOST_RUNS: u8 = 12;
+const MAX_RUNS: u8 = 12;
 
 /// What the motor is doing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -284,11 +284,11 @@ impl Homing {
             self.check_limits(inputs, direction)?;
         }
         self.runs = self.runs.saturating_add(1);
-        if self.runs > MOST_RUNS {
+        if self.runs > MAX_RUNS {
             return Err(Failure::TooNarrow);
         }
         self.stage = Stage::Approaching;
-        let speed = if self.runs > MOST_RUNS / 2 {
+        let speed = if self.runs > MAX_RUNS / 2 {
             Speed::Zero
         } else {
             Speed::Search

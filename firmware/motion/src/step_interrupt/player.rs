@@ -10,7 +10,7 @@ use crate::low;
 use crate::{Direction, DriverTiming, Record};
 
 /// Records that the interrupt may find in a row: it is above who puts them in.
-const MOST_TAKEN: u32 = low::word(CAPACITY);
+const MAX_TAKEN: u32 = low::word(CAPACITY);
 
 /// A timer that does one thing at one time, and then interrupts.
 pub trait StepTimer {
@@ -257,7 +257,7 @@ impl<'a, T: StepTimer> Player<'a, T> {
 
     /// Takes a period of the record being played, or of the next one. False: there is none.
     fn next_period(&mut self) -> bool {
-        let mut iterations = Iterations::at_most(MOST_TAKEN);
+        let mut iterations = Iterations::at_most(MAX_TAKEN);
         while self.left == 0 {
             iterations.count();
             let Some(record) = self.shared.records.take() else {
@@ -302,7 +302,7 @@ impl<'a, T: StepTimer> Player<'a, T> {
         let left = self.record.period.wrapping_mul(u32::from(self.left));
         played = played.wrapping_add(left);
         self.left = 0;
-        let mut iterations = Iterations::at_most(MOST_TAKEN);
+        let mut iterations = Iterations::at_most(MAX_TAKEN);
         while let Some(record) = self.shared.records.take() {
             iterations.count();
             played = played.wrapping_add(ticks(&record));

@@ -17,13 +17,13 @@ use crate::fixed::{Exact, State, Velocity};
 use crate::low;
 use crate::record::{Direction, DriverTiming, Record};
 use polynomial::Polynomial;
-use train::{CROWDED, MOST_IN_CHORD, Pulses, Train};
+use train::{CROWDED, MAX_IN_CHORD, Pulses, Train};
 
 /// Chords per segment at most, however hard the acceleration: it bounds the work of a control tick.
 pub(crate) const CHORDS_PER_SEGMENT: u32 = 32;
 
 /// Pulses of a chord at most: in three runs they are off by an eighth of that in ticks.
-const MOST_PULSES: u32 = 8 * CROWDED;
+const MAX_PULSES: u32 = 8 * CROWDED;
 
 /// The pulse rate counts as high where so many periods or more are in the longest chord: within one the velocity counts as constant.
 const PERIODS_PER_CHORD: u32 = 16;
@@ -42,13 +42,13 @@ pub(crate) struct Stepper {
     reach: u32,
     /// From this velocity on the pulse rate counts as high, Q32 steps per tick.
     fast: u32,
-    /// Whether the velocity of the polynomial is constant: then `most`, `beyond` and `spare` are computed once.
+    /// Whether the velocity of the polynomial is constant: then `max_chord`, `beyond` and `spare` are computed once.
     is_line: bool,
     /// The longest chord at the present velocity, in ticks.
-    most: u32,
+    max_chord: u32,
     /// How far a chord should lead beyond the tick that is wanted.
     beyond: u32,
-    /// By how much a chord may be longer than `most` for that.
+    /// By how much a chord may be longer than `max_chord` for that.
     spare: u32,
     /// The longest chord of all, in ticks.
     longest: u32,
@@ -65,18 +65,18 @@ impl Stepper {
         let train = Train::new(timing, segment, steps, now);
         let segment = train.segment;
         // With the open period in front of it, it is one run.
-        let longest = segment.min(train.shortest.saturating_mul(MOST_IN_CHORD));
+        let longest = segment.min(train.shortest.saturating_mul(MAX_IN_CHORD));
         Self {
             horizon: now,
             polynomial: Polynomial::NONE,
             reach: longest,
             fast: FAST,
             is_line: true,
-            most: longest,
+            max_chord: longest,
             beyond: 0,
             spare: 0,
             longest,
-            longest_up_to: (u64::from(MOST_PULSES) << 32)
+            longest_up_to: (u64::from(MAX_PULSES) << 32)
                 .checked_div(longest.into())
                 .map_or(u32::MAX, |rate| rate.min(1 << 31) as u32),
             least: longest.min(segment / CHORDS_PER_SEGMENT),
@@ -251,20 +251,20 @@ impl Stepper {
             self.look_ahead(rate);
         }
         let left = self.polynomial.end - self.horizon;
-        if left <= self.most.into() {
+        if left <= self.max_chord.into() {
             return low::u32(left);
         }
         // Up to there, and beyond. Neither is far from what was committed.
         let wanted = enough.wrapping_sub(low::u32(self.horizon)).cast_signed();
-        let wanted = wanted.max(0).cast_unsigned().min(self.most);
-        let length = (wanted + self.beyond).min(self.most + self.spare);
+        let wanted = wanted.max(0).cast_unsigned().min(self.max_chord);
+        let length = (wanted + self.beyond).min(self.max_chord + self.spare);
         u32::try_from(left).map_or(length, |left| left.min(length))
     }
 
     /// Computes how long a chord may be at this velocity, and how far it should lead.
     #[inline]
     fn look_ahead(&mut self, rate: u32) {
-        self.most = if rate <= self.longest_up_to {
+        self.max_chord = if rate <= self.longest_up_to {
             self.reach
         } else {
             self.shorter(rate)
@@ -274,19 +274,19 @@ impl Stepper {
         self.beyond = (period + (period >> 4)).max(self.train.behind());
         // In the latter case the next one begins a little early, for which there is an eighth to spare, where pulses are many and the acceleration is
         // not hard.
-        let is_gentle = self.most == self.longest && period < self.most >> 1;
+        let is_gentle = self.max_chord == self.longest && period < self.max_chord >> 1;
         self.spare = if is_gentle {
-            period.min(self.most >> 3)
+            period.min(self.max_chord >> 3)
         } else {
             0
         };
     }
 
-    /// The longest chord at a higher velocity: no more than [`MOST_PULSES`] in it.
+    /// The longest chord at a higher velocity: no more than [`MAX_PULSES`] in it.
     #[cold]
     fn shorter(&self, rate: u32) -> u32 {
-        let (most, _) = div_rem(u64::from(MOST_PULSES) << 32, rate);
-        self.reach.min(low::u32(most)).max(self.least)
+        let (max, _) = div_rem(u64::from(MAX_PULSES) << 32, rate);
+        self.reach.min(low::u32(max)).max(self.least)
     }
 
     /// Makes the pulses of a chord whatever the one before was: of `length` ticks from `begin` on, from position `from` to where the

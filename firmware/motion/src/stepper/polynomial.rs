@@ -105,15 +105,15 @@ impl Polynomial {
     /// The longest chord, a power of two in ticks, that is nowhere more than a quarter of a step off the polynomial from its present tick
     /// `begin` up to its end: ½a·len²/4 ≤ ¼.
     pub(crate) fn longest_chord(&self, begin: Ticks) -> u64 {
-        let mut most = self.half.0.unsigned_abs();
+        let mut max = self.half.0.unsigned_abs();
         if self.sixth != Q128::ZERO {
             // The acceleration is greatest at an end.
             let length = self.end.saturating_sub(begin);
             let length = u32::try_from(length).unwrap_or(u32::MAX);
             let at_end = self.half.plus(self.sixth.times(length).times(3));
-            most = most.max(at_end.0.unsigned_abs());
+            max = max.max(at_end.0.unsigned_abs());
         }
-        let above = most.leading_zeros();
+        let above = max.leading_zeros();
         1_u64.wrapping_shl(above.saturating_sub(32) / 2)
     }
 }

@@ -15,13 +15,13 @@ use crate::record::{Direction, DriverTiming, Record, SHORTEST_RECORD};
 
 /// Records that one chord can make at most: four of silence in front, one more at a change of direction, three runs, and three if what is open then
 /// is made a record with it.
-const MOST_RECORDS: usize = 11;
+const MAX_RECORDS: usize = 11;
 
 /// The pulses of a run are counted in 16 bits.
 const LONGEST_RUN: u32 = u16::MAX as u32;
 
 /// No chord is as long as so many of the shortest periods. With an eighth more, and the open period in front of it, it is a run.
-pub(super) const MOST_IN_CHORD: u32 = LONGEST_RUN / 9 * 8 - 2;
+pub(super) const MAX_IN_CHORD: u32 = LONGEST_RUN / 9 * 8 - 2;
 
 /// From so many pulses in a chord on, the open period before it becomes one of the equal periods of the chord.
 const MANY: u32 = 8;
@@ -71,7 +71,7 @@ pub(super) struct Train {
     period: u32,
     /// The level of the direction signal; `None` until a record has set it.
     direction: Option<Direction>,
-    made: [Record; MOST_RECORDS],
+    made: [Record; MAX_RECORDS],
 }
 
 impl Train {
@@ -93,7 +93,7 @@ impl Train {
             setup,
             // No longer than so many runs; long enough that a record of one segment keeps every time of the driver.
             segment: segment
-                .min(shortest.saturating_mul(CHORDS_PER_SEGMENT * MOST_IN_CHORD))
+                .min(shortest.saturating_mul(CHORDS_PER_SEGMENT * MAX_IN_CHORD))
                 .min(1 << 28)
                 .max((hold + setup) * 2),
             steps,
@@ -101,7 +101,7 @@ impl Train {
             open_step: 0,
             period: 0,
             direction: None,
-            made: [Record::NONE; MOST_RECORDS],
+            made: [Record::NONE; MAX_RECORDS],
         }
     }
 
@@ -375,7 +375,7 @@ impl Train {
     /// Records for `ticks` of the open period: its pulse if it has one, then silence. None is longer than a segment or shorter than
     /// the driver's shortest period.
     fn silence(&mut self, mut ticks: u32, direction: Direction) {
-        let mut iterations = Iterations::at_most(low::word(MOST_RECORDS));
+        let mut iterations = Iterations::at_most(low::word(MAX_RECORDS));
         while ticks > 0 {
             iterations.count();
             let part = if ticks > self.segment {

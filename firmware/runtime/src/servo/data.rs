@@ -66,7 +66,7 @@ pub struct ServoData {
 
 impl ServoData {
     /// The greatest speed, in rad/s.
-    pub fn most_speed(&self) -> f32 {
+    pub fn max_speed(&self) -> f32 {
         self.speed as f32 * (core::f32::consts::TAU / 60.0)
     }
 

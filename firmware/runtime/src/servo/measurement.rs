@@ -207,7 +207,7 @@ impl Loops {
             bus: config.bus,
             modulation: modulation(&self.data)?,
             way: f32::from(way) * 1e-3,
-            most_speed: self.data.most_speed(),
+            max_speed: self.data.max_speed(),
         };
         Tuning::new(setup)?;
         self.measurement.found.state = 1;

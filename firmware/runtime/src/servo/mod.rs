@@ -336,7 +336,7 @@ impl Loops {
             counts_of_turn: motor.counts,
             rated_current: number(motor.rated_current, 1e-3),
             peak_current: number(motor.peak_current, 1e-3),
-            most_speed: self.data.speed,
+            max_speed: self.data.speed,
             zero: zero.wrapping_sub(self.settings.offset),
             lead: leads(&report),
             current: ((current.d * 1e3) as i32, (current.q * 1e3) as i32),

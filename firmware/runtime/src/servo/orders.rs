@@ -34,7 +34,7 @@ pub(super) fn order(
 ) -> Order {
     let torque = |micro: u32| micro as f32 * 1e-6;
     let by_current = order.current as f32 * 1e-3 * motor.torque_constant();
-    let most = |micro: u32| torque(micro).min(by_current);
+    let max = |micro: u32| torque(micro).min(by_current);
     let goal = match (order.goal, held) {
         (ServoGoal::Free, Some(counts)) => Goal::Position {
             counts,
@@ -66,7 +66,7 @@ pub(super) fn order(
         goal,
         torque: order.torque as f32 * 1e-6,
         velocity_ahead: speed(order.velocity_ahead.bits()) + less,
-        most: (most(order.most.0), most(order.most.1)),
+        max_torque: (max(order.max_torque.0), max(order.max_torque.1)),
         speed: order.velocity.bits() as f32 / BITS,
     }
 }
@@ -118,7 +118,7 @@ mod tests {
             },
             torque: -120_000,
             velocity_ahead: SignedSpeed::ZERO,
-            most: (50_000, u32::MAX),
+            max_torque: (50_000, u32::MAX),
             current: 2_000,
             velocity: Speed::MAX,
         };
@@ -130,7 +130,7 @@ mod tests {
             acceleration: 250.0,
         };
         assert_eq!((taken.goal, taken.torque), (goal, -0.12));
-        assert_eq!(taken.most, (0.05, 2.0 * MOTOR.torque_constant()));
+        assert_eq!(taken.max_torque, (0.05, 2.0 * MOTOR.torque_constant()));
         let free = ServoOrder {
             goal: ServoGoal::Free,
             ..given

@@ -33,7 +33,7 @@ impl StepperLoops for StepperSettings {
             beyond,
             bound: f32::from(self.bound) * 1e-2,
             speed: self.speed.into(),
-            most_speed: data.speed as f32 / 60.0 * 4.0 * f32::from(motor.pole_pairs),
+            max_speed: data.speed as f32 / 60.0 * 4.0 * f32::from(motor.pole_pairs),
             current: current.min(motor.peak_current),
             at_rest: f32::from(self.at_rest) * 1e-3,
             fall: f32::from(self.fall) * 1e-3,
@@ -155,7 +155,7 @@ pub(super) fn loops(
         bus: Bus::new(1.03 * voltage, 1.05 * voltage, 1.2 * voltage)?,
         derating: derating().ok_or(Implausible)?,
         blocked: settings.blocked(),
-        most_speed: data.most_speed() * 1.2,
+        max_speed: data.max_speed() * 1.2,
     };
     let mut control = Control::new(motor, control)?;
     // What cannot be leaves the loops.

@@ -51,7 +51,7 @@ fn held(torque: i32) -> ServoOrder {
         goal: ServoGoal::Torque,
         torque,
         velocity_ahead: SignedSpeed::ZERO,
-        most: (u32::MAX, u32::MAX),
+        max_torque: (u32::MAX, u32::MAX),
         current: u32::MAX,
         velocity: Speed::MAX,
     }

@@ -41,8 +41,8 @@ impl Control {
         if is_new {
             stepper.take_over(self.wanted, &demand, &rotor);
         }
-        let most = limits.positive.max(limits.negative);
-        let field = stepper.run(&demand, &rotor, most);
+        let max = limits.positive.max(limits.negative);
+        let field = stepper.run(&demand, &rotor, max);
         let from = interrupt.observer.angle();
         // Beside the stator it pulls back at once a rotor that swings; a rotor that runs away from it leads it, so that it is never beyond where it pulls hardest.
         let away = (demand.speed - rotor.speed).abs() * self.config.period * TURN_OF_RADIAN;
@@ -56,10 +56,10 @@ impl Control {
         let speed = rotor.speed.abs().max(1.0);
         let across = q.abs().max(interrupt.current.current().q.abs());
         let across = speed * self.motor.inductance_q * across;
-        let most = FOR_FIELD * bus;
-        let room = root(most * most - across * across) / speed - self.motor.flux;
-        let most = between(room / self.motor.inductance_d, 0.0, 1e4);
-        let d = between(asked.d, -most, most);
+        let max = FOR_FIELD * bus;
+        let room = root(max * max - across * across) / speed - self.motor.flux;
+        let max = between(room / self.motor.inductance_d, 0.0, 1e4);
+        let d = between(asked.d, -max, max);
         Rotor { d, q }
     }
 }

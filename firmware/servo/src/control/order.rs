@@ -28,7 +28,7 @@ pub struct Order {
     /// What is given ahead beside the velocity of a position, in counts/s.
     pub velocity_ahead: f32,
     /// The greatest positive and negative torque, each at least 0.
-    pub most: (f32, f32),
+    pub max_torque: (f32, f32),
     /// The fastest while a torque is held, in counts/s.
     pub speed: f32,
 }

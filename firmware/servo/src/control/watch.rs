@@ -28,7 +28,7 @@ const NOTHING: f32 = 0.03;
 pub(super) struct Watch {
     motor: Motor,
     period: f32,
-    most_speed: f32,
+    max_speed: f32,
     blocked: Blocked,
     phase_loss: PhaseLoss,
     /// How long the model has not known what it sees, in s.
@@ -51,7 +51,7 @@ impl Watch {
         let watch = Self {
             motor: *motor,
             period,
-            most_speed: config.most_speed,
+            max_speed: config.max_speed,
             blocked: Blocked::new(speed, time, period)?,
             phase_loss: PhaseLoss::new(motor.wiring, least, 0.02, period)?,
             astray: 0.0,
@@ -59,7 +59,7 @@ impl Watch {
             unequal: 0.0,
             due: Rotor::ZERO,
         };
-        let is_one = is_within(config.most_speed, 1.0, 1e4);
+        let is_one = is_within(config.max_speed, 1.0, 1e4);
         is_one.then_some(watch).ok_or(Implausible)
     }
 
@@ -91,7 +91,7 @@ impl Watch {
         velocity: f32,
     ) -> Option<Fault> {
         let current = interrupt.current.current();
-        if !is_within(velocity.abs(), 0.0, self.most_speed) {
+        if !is_within(velocity.abs(), 0.0, self.max_speed) {
             return Some(Fault::OverSpeed);
         }
         let angle = interrupt.observer.angle().sine_cosine();

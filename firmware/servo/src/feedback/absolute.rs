@@ -155,7 +155,7 @@ mod tests {
             *error = ((shown - turns) * PARTS) as i32;
         }
         let reach = Angle::from_turns(0.1);
-        for (table, least, most) in [(&NO_ERROR, 0.002_9, 0.003_1), (&*table, 0.0, 0.000_07)] {
+        for (table, least, max) in [(&NO_ERROR, 0.002_9, 0.003_1), (&*table, 0.0, 0.000_07)] {
             let mut encoder = Absolute::new(&servo_100w(), 14, reach)
                 .unwrap()
                 .with_table(table);
@@ -165,7 +165,7 @@ mod tests {
                 encoder.look(word(turns, 14, off)).unwrap();
                 worst = worst.max((encoder.position() as f64 / PARTS - turns).abs());
             }
-            assert!((least..=most).contains(&worst), "{worst}");
+            assert!((least..=max).contains(&worst), "{worst}");
         }
     }
 

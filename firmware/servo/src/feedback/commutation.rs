@@ -30,7 +30,7 @@ const SWEEP_TIME: f32 = 0.15;
 const TRIES: u8 = 4;
 
 /// How many times faster than the rotor the field goes towards it, at most.
-const MOST_RATIO: f32 = 20.0;
+const MAX_RATIO: f32 = 20.0;
 
 /// The rotor swings in the field no faster than this, in rad/s: an observer of 2,000 rad/s still sees it.
 const FASTEST_SWING: f32 = 1_500.0;
@@ -103,8 +103,8 @@ impl Commutation {
         let count = f32::from(motor.pole_pairs) / motor.counts as f32;
         // A pendulum in the field: ω² = p kt I (ratio + 1) / J; damped as much as it can be, by 2 ω / (p kt I / J).
         let pull = f32::from(motor.pole_pairs) * motor.torque_constant() * current / motor.inertia;
-        let most = between(STRIDE / count, 0.0, MOST_RATIO);
-        let ratio = between(FASTEST_SWING * FASTEST_SWING / pull - 1.0, 0.0, most);
+        let max = between(STRIDE / count, 0.0, MAX_RATIO);
+        let ratio = between(FASTEST_SWING * FASTEST_SWING / pull - 1.0, 0.0, max);
         let damping = 2.0 * root((ratio + 1.0) / pull);
         Ok(Self {
             current,

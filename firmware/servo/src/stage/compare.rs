@@ -12,7 +12,7 @@
 use crate::number::between;
 
 /// The greatest share of the time for which a chopper burns.
-const MOST: f32 = 0.95;
+const MAX: f32 = 0.95;
 
 /// A timer that counts from 0 to a top and back in each period.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,7 +43,7 @@ impl Counter {
     /// upper one above the second, and between them neither for so many counts of dead time. With nothing to burn both are off. The lower one, whose time is never 0, charges
     /// what switches the upper one.
     pub fn chopper(&self, share: f32, dead: u16) -> [u16; 2] {
-        let share = between(share, 0.0, MOST);
+        let share = between(share, 0.0, MAX);
         if share <= 0.0 {
             return [0, self.top + 1];
         }

@@ -48,7 +48,7 @@ pub struct Setup {
     /// How far the rotor may go in a stroke, in turns of the motor.
     pub way: f32,
     /// How fast it may become, in rad/s.
-    pub most_speed: f32,
+    pub max_speed: f32,
 }
 
 /// What was found.
@@ -176,7 +176,7 @@ impl Tuning {
             && is_within(setup.bus.0, 1.0, setup.bus.1)
             && is_within(setup.bus.1, 1.0, 2e3)
             && is_within(setup.way, 0.01, 10.0)
-            && is_within(setup.most_speed, 1.0, 1e4);
+            && is_within(setup.max_speed, 1.0, 1e4);
         let tuning = Self {
             setup,
             measured: Measured::default(),
@@ -232,16 +232,16 @@ impl Tuning {
 
     fn step(&mut self, seen: &Seen, timer: u16) -> Result<Next, Failure> {
         let setup = &self.setup;
-        let (least, most) = setup.bus;
+        let (least, max) = setup.bus;
         let is_held = |current: &f32| current.abs() <= setup.trip;
         let phases = seen.currents.iter().take(setup.wiring.phases());
         if !phases.clone().all(is_held) {
             return Err(Failure::Tripped(Trip::OverCurrent));
         }
-        if seen.bus > most {
+        if seen.bus > max {
             return Err(Failure::Tripped(Trip::OverVoltage));
         }
-        if !is_within(seen.bus, least, most) {
+        if !is_within(seen.bus, least, max) {
             return Err(Failure::Tripped(Trip::UnderVoltage));
         }
         match &mut self.part {
@@ -305,8 +305,8 @@ impl Tuning {
             inertia: 1e-6,
             ..self.measured
         };
-        let most = self.setup.current;
-        known.motor(&self.setup, (most, most)).ok()
+        let max = self.setup.current;
+        known.motor(&self.setup, (max, max)).ok()
     }
 
     fn current_loop(&self) -> Option<CurrentLoop> {

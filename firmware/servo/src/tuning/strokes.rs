@@ -140,8 +140,8 @@ impl Strokes {
     ) -> Result<Self, Implausible> {
         let mut encoder = Incremental::new(motor, timer, 2);
         encoder.set_angle(angle);
-        let most = 1.0 / setup.period;
-        let bandwidth = if OBSERVER < most { OBSERVER } else { most };
+        let max = 1.0 / setup.period;
+        let bandwidth = if OBSERVER < max { OBSERVER } else { max };
         let mut observer = Observer::new(bandwidth, setup.period)?;
         observer.stand_at(angle);
         Ok(Self {
@@ -207,8 +207,8 @@ impl Strokes {
         if way >= self.furthest {
             self.left = self.sums.time;
         }
-        let most = setup.way * setup.counts as f32;
-        if way.unsigned_abs() as f32 > 1.2 * most {
+        let max = setup.way * setup.counts as f32;
+        if way.unsigned_abs() as f32 > 1.2 * max {
             return Err(Failure::TooFar);
         }
         if self.brakes {
@@ -224,9 +224,10 @@ impl Strokes {
             let turns = self.observer.speed().abs() / f32::from(measured.pole_pairs.max(1));
             let is_moved = way as f32 > MOVED * setup.counts as f32;
             let needed = self.current.voltage();
-            let has_most = needed.square() > square(VOLTAGE * setup.modulation.most(seen.bus));
-            let is_fast = has_most || turns > 0.5 * setup.most_speed;
-            if is_moved && (is_fast || way as f32 > 0.5 * most) {
+            let has_most =
+                needed.square() > square(VOLTAGE * setup.modulation.max_voltage(seen.bus));
+            let is_fast = has_most || turns > 0.5 * setup.max_speed;
+            if is_moved && (is_fast || way as f32 > 0.5 * max) {
                 self.brakes = true;
                 self.settled = 0;
                 self.turned = (self.sums, way);
@@ -249,11 +250,11 @@ impl Strokes {
 
     /// The torque does not do: it grows, and the stroke begins anew from here.
     fn grow(&mut self, setup: &Setup) -> Result<(), Failure> {
-        let most = setup.current;
-        if self.level >= most {
+        let max = setup.current;
+        if self.level >= max {
             return Err(Failure::Held);
         }
-        self.level = least(self.level * GROWTH, most);
+        self.level = least(self.level * GROWTH, max);
         // What has gone one way comes back.
         self.is_forward ^= self.way() > 0;
         self.counts = false;

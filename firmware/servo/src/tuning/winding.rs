@@ -19,7 +19,7 @@ const GROWTH: f32 = 0.03;
 const LED: f32 = 60.0;
 
 /// Beyond this share of the current it is held back, as by so many times the resistance.
-const MOST: f32 = 1.05;
+const MAX: f32 = 1.05;
 const HELD_BACK: f32 = 5.0;
 
 /// How long it settles at least, how long the rotor must stand while it is looked at, and how long that is waited for, in s.
@@ -142,7 +142,7 @@ impl Winding {
         (current, bus, position): (Stator, f32, i32),
         measured: &mut Measured,
     ) -> Result<Next, Failure> {
-        let most = setup.modulation.most(bus);
+        let max = setup.modulation.max_voltage(bus);
         let (cosine, sine) = self.field;
         let current = current.from_rotor((sine, cosine));
         self.time += setup.period;
@@ -151,17 +151,17 @@ impl Winding {
         }
         match self.stage {
             Stage::Rise => {
-                self.rise(setup, current, most)?;
+                self.rise(setup, current, max)?;
             }
             Stage::Half => {
-                if let Some(mean) = self.lead(setup, (current, position), 0.5 * setup.current, most)
+                if let Some(mean) = self.lead(setup, (current, position), 0.5 * setup.current, max)
                 {
                     self.half = mean;
                     self.enter(Stage::Whole);
                 }
             }
             Stage::Whole => {
-                let whole = self.lead(setup, (current, position), setup.current, most);
+                let whole = self.lead(setup, (current, position), setup.current, max);
                 if let Some((voltage, amperes)) = whole {
                     let resistance = (voltage - self.half.0) / (amperes - self.half.1);
                     if !is_within(resistance, 1e-3, 1e3) {
@@ -174,19 +174,19 @@ impl Winding {
             Stage::Back => {
                 self.voltage = along(self.half.0);
                 if self.time > LOOK {
-                    self.begin_wave(Stage::Along, current.d, most);
+                    self.begin_wave(Stage::Along, current.d, max);
                 }
             }
             Stage::Along => {
                 let seen = current.d;
-                if let Some(inductance) = self.shake(setup, seen, most, measured.resistance)? {
+                if let Some(inductance) = self.shake(setup, seen, max, measured.resistance)? {
                     measured.inductance_d = inductance;
-                    self.begin_wave(Stage::Across, current.q, most);
+                    self.begin_wave(Stage::Across, current.q, max);
                 }
             }
             Stage::Across => {
                 let seen = current.q;
-                if let Some(inductance) = self.shake(setup, seen, most, measured.resistance)? {
+                if let Some(inductance) = self.shake(setup, seen, max, measured.resistance)? {
                     measured.inductance_q = inductance;
                     return Ok(Next::Finished);
                 }
@@ -198,13 +198,13 @@ impl Winding {
 
     /// The voltage, less what a current has too much: a rotor that swings into the field drives one.
     fn held_back(&self, setup: &Setup, current: Rotor) -> Rotor {
-        let most = MOST * setup.current;
+        let max = MAX * setup.current;
         let size = root(current.square());
-        if size <= most {
+        if size <= max {
             return self.voltage;
         }
         let resistance = self.gain * (1.0 / LED);
-        let excess = HELD_BACK * resistance * (1.0 - most / size);
+        let excess = HELD_BACK * resistance * (1.0 - max / size);
         Rotor {
             d: self.voltage.d - excess * current.d,
             q: self.voltage.q - excess * current.q,
@@ -218,18 +218,18 @@ impl Winding {
     }
 
     /// The voltage grows until half the current flows.
-    fn rise(&mut self, setup: &Setup, current: Rotor, most: f32) -> Result<(), Failure> {
+    fn rise(&mut self, setup: &Setup, current: Rotor, max: f32) -> Result<(), Failure> {
         let half = 0.5 * setup.current;
         if current.d >= half {
             self.gain = LED * self.voltage.d / half;
             self.enter(Stage::Half);
             return Ok(());
         }
-        if self.voltage.d >= 0.95 * most {
+        if self.voltage.d >= 0.95 * max {
             return Err(Failure::Winding);
         }
         let grown = self.voltage.d * (1.0 + setup.period / GROWTH);
-        self.voltage.d = between(grown, FIRST * most, most);
+        self.voltage.d = between(grown, FIRST * max, max);
         Ok(())
     }
 
@@ -239,7 +239,7 @@ impl Winding {
         setup: &Setup,
         (seen, position): (Rotor, i32),
         wanted: f32,
-        most: f32,
+        max: f32,
     ) -> Option<(f32, f32)> {
         let (stood, since) = self.stood;
         let away = position.wrapping_sub(stood).wrapping_abs();
@@ -258,16 +258,16 @@ impl Winding {
         let d = self.voltage.d + step * (wanted - seen.d);
         let q = self.voltage.q - step * seen.q;
         self.voltage = Rotor {
-            d: between(d, -most, most),
-            q: between(q, -most, most),
+            d: between(d, -max, max),
+            q: between(q, -max, max),
         };
         let by = 1.0 / self.sums.2;
         is_over.then_some((self.sums.0 * by, self.sums.1 * by))
     }
 
-    fn begin_wave(&mut self, stage: Stage, seen: f32, most: f32) {
+    fn begin_wave(&mut self, stage: Stage, seen: f32, max: f32) {
         self.enter(stage);
-        self.wave = 0.01 * most;
+        self.wave = 0.01 * max;
         self.period = 0;
         self.swing = (seen, seen);
         self.is_grown = false;
@@ -281,7 +281,7 @@ impl Winding {
         &mut self,
         setup: &Setup,
         seen: f32,
-        most: f32,
+        max: f32,
         resistance: f32,
     ) -> Result<Option<f32>, Failure> {
         let (before, acting) = self.voltages;
@@ -311,7 +311,7 @@ impl Winding {
         if self.period == 4 * HALF_WAVE {
             self.period = 0;
             let swings = self.swing.1 - self.swing.0;
-            let room = 0.9 * most - self.half.0;
+            let room = 0.9 * max - self.half.0;
             if !self.is_grown {
                 self.is_grown = swings >= SWING * setup.current || self.wave >= 0.5 * room;
                 if !self.is_grown {

@@ -68,7 +68,7 @@ impl Default for MotorData {
 }
 
 /// The finest encoder: 24 bits a turn.
-const MOST_COUNTS: u32 = 1 << 24;
+const MAX_COUNTS: u32 = 1 << 24;
 
 impl MotorData {
     /// What the types do not say.
@@ -85,8 +85,8 @@ impl MotorData {
         if let Some((name, _)) = zero.iter().find(|(_, value)| *value == 0) {
             return Err(format!("{name} = 0"));
         }
-        if self.encoder_counts > Some(MOST_COUNTS) {
-            return Err(format!("encoder_counts: at most {MOST_COUNTS}"));
+        if self.encoder_counts > Some(MAX_COUNTS) {
+            return Err(format!("encoder_counts: at most {MAX_COUNTS}"));
         }
         if self.heat.time_constant.ticks() == 0 {
             return Err("time_constant_s = 0 in [heat]".to_owned());

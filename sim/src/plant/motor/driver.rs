@@ -37,7 +37,7 @@ impl Winding {
     }
 
     /// The most current in A that goes in at these speeds (in full steps/s, of field and rotor) from this supply in V.
-    fn most(&self, supply: f64, field: f64, rotor: f64) -> f64 {
+    fn max(&self, supply: f64, field: f64, rotor: f64) -> f64 {
         let left = supply - self.back_emf * rotor.abs();
         let reactance = self.reactance * field;
         let square = self.resistance * self.resistance + reactance * reactance;
@@ -100,6 +100,6 @@ impl Driver {
 
     /// The current in A that flows when `demand` is wanted.
     pub(super) fn current(&self, demand: f64, winding: &Winding, supply: f64, rotor: f64) -> f64 {
-        demand.min(winding.most(supply, self.velocity, rotor))
+        demand.min(winding.max(supply, self.velocity, rotor))
     }
 }

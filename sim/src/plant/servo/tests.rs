@@ -54,7 +54,7 @@ struct Rig {
     velocity: f64,
     position: f64,
     /// The greatest current of a phase.
-    most: f64,
+    max: f64,
 }
 
 /// A stepper as it is by itself.
@@ -80,7 +80,7 @@ impl Rig {
             data,
             velocity: 0.0,
             position: 0.0,
-            most: 0.0,
+            max: 0.0,
         }
     }
 
@@ -114,7 +114,7 @@ impl Rig {
                 goal,
                 torque: 0,
                 velocity_ahead: SignedSpeed::ZERO,
-                most: (u32::MAX, u32::MAX),
+                max_torque: (u32::MAX, u32::MAX),
                 current: u32::MAX,
                 velocity: Speed::MAX,
             };
@@ -125,9 +125,9 @@ impl Rig {
             self.servo
                 .run(REFILL, at, Some(&Ordered { order, at }), 0, 250);
             let phases = self.servo.plant.phase_currents();
-            self.most = phases
+            self.max = phases
                 .iter()
-                .fold(self.most, |most, phase| most.max(phase.abs()));
+                .fold(self.max, |max, phase| max.max(phase.abs()));
         }
     }
 }
@@ -196,7 +196,7 @@ fn whatever_breaks_ends_the_current_and_the_motion() {
         assert!(rig.servo.error_code().is_some());
         // The limit is the peak current; what is beyond it is the loop on its way, and trips at twice that.
         let limit = 2.1 * f64::from(data.peak_current);
-        assert!(rig.most < limit, "{what}: {} A", rig.most);
+        assert!(rig.max < limit, "{what}: {} A", rig.max);
         rig.run(0.1, wanted);
         let phases = rig.servo.plant.phase_currents();
         assert!(

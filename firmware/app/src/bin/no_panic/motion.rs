@@ -73,7 +73,7 @@ impl PulseSink for Sink {
 
 impl ServoPort for Sink {
     fn order(&mut self, order: &ServoOrder) {
-        look(order.current ^ order.torque as u32 ^ order.most.0 ^ order.most.1);
+        look(order.current ^ order.torque as u32 ^ order.max_torque.0 ^ order.max_torque.1);
         if let ServoGoal::Position { counts, part, .. } = order.goal {
             look(counts as u32 ^ part);
         }

@@ -69,7 +69,7 @@ pub fn servo() -> Result<(), Implausible> {
         period: number(),
         share: number(),
         learning: number(),
-        most: number(),
+        max_current: number(),
         trip: number(),
         bus: (number(), number()),
         weakening: number(),
@@ -161,7 +161,7 @@ fn tuned(wiring: Wiring, modulation: Modulation) -> Result<(), Implausible> {
         bus: (number(), number()),
         modulation,
         way: number(),
-        most_speed: number(),
+        max_speed: number(),
     })?;
     let frequencies = (number(), number());
     let mut chirp = Chirp::new(number(), frequencies, number(), number())?;
@@ -249,7 +249,7 @@ fn ordered(motor: &Motor, interrupt: &mut CurrentInterrupt) -> Result<(), Implau
         bus: Bus::new(number(), number(), number())?,
         derating: Derating::new(number(), number())?,
         blocked: (number(), number()),
-        most_speed: number(),
+        max_speed: number(),
     };
     let mut control = Control::new(motor, config)?;
     while any() != 0 {
@@ -278,7 +278,7 @@ fn ordered(motor: &Motor, interrupt: &mut CurrentInterrupt) -> Result<(), Implau
             goal,
             torque: number(),
             velocity_ahead: number(),
-            most: (number(), number()),
+            max_torque: (number(), number()),
             speed: number(),
         };
         control.order(order, number());
@@ -311,7 +311,7 @@ fn stepper_config() -> StepperConfig {
         },
         bound: number(),
         speed: number(),
-        most_speed: number(),
+        max_speed: number(),
         current: number(),
         at_rest: number(),
         fall: number(),

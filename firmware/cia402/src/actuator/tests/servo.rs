@@ -62,9 +62,9 @@ impl Servo {
         // From this velocity, at the end of the tick, it still stops at the target.
         let reach = 2.0 * left(self) - self.velocity * sign * TICK;
         let square = (down * TICK).powi(2) / 4.0 + down * reach + end * end;
-        let most = square.max(0.0).sqrt() - down * TICK / 2.0;
-        let most = most.max(end).clamp(0.0, value(limits.velocity));
-        self.ramp(sign * most, limits);
+        let max = square.max(0.0).sqrt() - down * TICK / 2.0;
+        let max = max.max(end).clamp(0.0, value(limits.velocity));
+        self.ramp(sign * max, limits);
         if end > 0.0 && left(self) <= 0.0 {
             self.goal = Goal::Velocity(sign * end, limits);
         } else if end == 0.0 && left(self) < 1.0 && self.velocity.abs() <= down * TICK {

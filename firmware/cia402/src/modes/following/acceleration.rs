@@ -92,7 +92,7 @@ impl SetPoints {
     }
 
     /// Whether `at`, one period behind the last set-point, keeps to the limits.
-    pub(super) fn may_be_followed_by(&self, at: i32, most: MaxChange) -> bool {
+    pub(super) fn may_be_followed_by(&self, at: i32, max: MaxChange) -> bool {
         let mut middle = self.before(1);
         if self.are_even() && at.wrapping_sub(middle) == self.distance {
             return true;
@@ -105,7 +105,7 @@ impl SetPoints {
             let distance = at.wrapping_sub(middle);
             let start = self.before(span);
             let before = middle.wrapping_sub(start);
-            if !may_change(before, distance, doublings, most) {
+            if !may_change(before, distance, doublings, max) {
                 return false;
             }
             middle = start;
@@ -121,22 +121,22 @@ impl SetPoints {
 }
 
 /// Whether the distance of 2ⁿ periods may become another, in increments.
-fn may_change(before: i32, distance: i32, doublings: u32, most: MaxChange) -> bool {
+fn may_change(before: i32, distance: i32, doublings: u32, max: MaxChange) -> bool {
     // More than distances of 32 bits differ by; so nothing here is too large for its number.
     const LARGEST: i64 = 1 << 50;
     let change = i64::from(distance.abs_diff(before)) << super::POINT;
-    let rounding = most.rounding.min(LARGEST);
+    let rounding = max.rounding.min(LARGEST);
     // So it is in a steady motion.
     if change <= rounding {
         return true;
     }
     let turns = (before < 0) != (distance < 0) && before != 0 && distance != 0;
     let gain = if turns {
-        most.up.max(most.down)
+        max.up.max(max.down)
     } else if distance.unsigned_abs() > before.unsigned_abs() {
-        most.up
+        max.up
     } else {
-        most.down
+        max.down
     };
     let squares = gain.min(LARGEST).wrapping_shl(2 * doublings);
     change <= squares.wrapping_add(rounding)
@@ -152,7 +152,7 @@ mod tests {
     /// 1 increment a period, each period.
     const ONE: i64 = 1 << POINT;
 
-    fn most(up: i64, down: i64, unit: i64) -> MaxChange {
+    fn max(up: i64, down: i64, unit: i64) -> MaxChange {
         MaxChange {
             up,
             down,
@@ -161,10 +161,10 @@ mod tests {
     }
 
     /// After how many set-points it is found out that they do not keep to the limits.
-    fn found(positions: impl IntoIterator<Item = i32>, most: MaxChange) -> Option<usize> {
+    fn found(positions: impl IntoIterator<Item = i32>, max: MaxChange) -> Option<usize> {
         let mut set_points = SetPoints::new();
         positions.into_iter().position(|at| {
-            let is_found = !set_points.may_be_followed_by(at, most);
+            let is_found = !set_points.may_be_followed_by(at, max);
             set_points.keep(at);
             is_found
         })
@@ -190,7 +190,7 @@ mod tests {
                     positions.push(begin.wrapping_add((units * unit) as i32));
                 }
             }
-            prop_assert_eq!(found(positions, most(gain, gain, unit)), None);
+            prop_assert_eq!(found(positions, max(gain, gain, unit)), None);
         }
 
         /// From rest to a velocity that is more than rounding can explain.
@@ -200,7 +200,7 @@ mod tests {
             distance in 5..1_000_000_i32,
         ) {
             let jump = (0..40).map(|_| 0).chain((1..=3).map(|k| k * distance));
-            let found = found(jump, most(gain, gain, 1));
+            let found = found(jump, max(gain, gain, 1));
             prop_assert!(found.is_some_and(|at| at <= 42), "{:?}", found);
         }
     }
@@ -211,7 +211,7 @@ mod tests {
         for (hardness, within) in [(2, 32), (4, 14), (20, 6)] {
             let ramp = (0..100).map(|k: i32| hardness * k * k / 20);
             let rest = std::iter::repeat_n(0, 40);
-            let at = found(rest.chain(ramp), most(ONE / 10, ONE / 10, 1));
+            let at = found(rest.chain(ramp), max(ONE / 10, ONE / 10, 1));
             let after = at.map(|at| at - 40);
             assert!(after.is_some_and(|k| k <= within), "{hardness}: {after:?}");
         }
@@ -230,10 +230,10 @@ mod tests {
             })
         };
         for sign in [1, -1] {
-            let limits = most(10 * ONE, 40 * ONE, 1);
+            let limits = max(10 * ONE, 40 * ONE, 1);
             assert_eq!(found(ramp(10, 40, sign), limits), None);
             assert!(found(ramp(40, 40, sign), limits).is_some());
-            let limits = most(40 * ONE, 10 * ONE, 1);
+            let limits = max(40 * ONE, 10 * ONE, 1);
             assert_eq!(found(ramp(40, 10, sign), limits), None);
             assert!(found(ramp(40, 40, sign), limits).is_some());
         }

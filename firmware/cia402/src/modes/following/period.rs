@@ -40,9 +40,9 @@ pub(super) fn slope(before: i64, behind: i64) -> i64 {
         return 0;
     }
     let least = before.saturating_abs().min(behind.saturating_abs());
-    let most = least.saturating_mul(3);
+    let max = least.saturating_mul(3);
     let mean = before.wrapping_add(behind) / 2;
-    mean.max(most.wrapping_neg()).min(most)
+    mean.max(max.wrapping_neg()).min(max)
 }
 
 /// A time in seconds, Q32.

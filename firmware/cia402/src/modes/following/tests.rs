@@ -77,10 +77,10 @@ proptest! {
         let mut left = available;
         let mut distance = begin;
         for _ in 0..200 {
-            let most = braking_distance(left, gain);
+            let max = braking_distance(left, gain);
             let slowest = distance.saturating_sub(gain).max(0);
             // After the first period the ramp is gentle enough to be kept.
-            distance = most.min(distance);
+            distance = max.min(distance);
             prop_assert!(distance <= left);
             left -= distance;
             if slowest == 0 {

@@ -109,8 +109,8 @@ impl SetPoint {
         let units = context.units();
         let (low, high) = context.travel.user;
         let (low, high) = (low.min(self.start), high.max(self.start));
-        let (least, most) = units.range().within_reach(here);
-        let user = self.wanted.max(least).min(most).max(low).min(high);
+        let (least, max) = units.range().within_reach(here);
+        let user = self.wanted.max(least).min(max).max(low).min(high);
         let far = units.position(user);
         self.target = far.max(nearest).min(farthest);
         self.user = if self.target == far {

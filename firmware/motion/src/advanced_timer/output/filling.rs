@@ -1,6 +1,6 @@
 //! The end where records are put in: they become slots in the ring, each of them written before the DMA comes to it.
 
-use super::{MOST_SLOTS, Output};
+use super::{MAX_SLOTS, Output};
 use crate::advanced_timer::registers::{Register, Registers};
 use crate::advanced_timer::slots::{Place, Remainder, level};
 use crate::iterations::Iterations;
@@ -11,7 +11,7 @@ impl<R: Registers> Output<'_, R> {
     /// Writes slots as long as there is room for what is left of the last record. So many are in time without another look.
     #[inline]
     pub(super) fn fill(&mut self, mut in_time: i32) {
-        let mut iterations = Iterations::at_most(MOST_SLOTS);
+        let mut iterations = Iterations::at_most(MAX_SLOTS);
         while !self.remainder.is_empty() && self.has_room() {
             iterations.count();
             if in_time <= 0 {
@@ -40,10 +40,10 @@ impl<R: Registers> Output<'_, R> {
         if !self.running || !self.remainder.is_empty() {
             return 0;
         }
-        let free = MOST_SLOTS.saturating_sub(self.written.wrapping_sub(self.fetched));
-        let most = free.min(self.in_time().max(0).cast_unsigned()) as usize;
+        let free = MAX_SLOTS.saturating_sub(self.written.wrapping_sub(self.fetched));
+        let max = free.min(self.in_time().max(0).cast_unsigned()) as usize;
         let slots = self.ring.from(self.written);
-        let slots = slots.get(..most).unwrap_or(slots);
+        let slots = slots.get(..max).unwrap_or(slots);
         let direction = self.counted.direction();
         let mut place = Place::new(slots, self.level);
         let mut left = records;
@@ -88,7 +88,7 @@ impl<R: Registers> Output<'_, R> {
 
     /// Whether a slot may be written without touching the silent ones.
     pub(super) fn has_room(&self) -> bool {
-        self.written.wrapping_sub(self.fetched) < MOST_SLOTS
+        self.written.wrapping_sub(self.fetched) < MAX_SLOTS
     }
 }
 
@@ -168,6 +168,6 @@ impl<R: Registers> PulseSink for Output<'_, R> {
         if !self.remainder.is_empty() {
             return 0;
         }
-        MOST_SLOTS.saturating_sub(self.written.wrapping_sub(self.fetched)) as usize
+        MAX_SLOTS.saturating_sub(self.written.wrapping_sub(self.fetched)) as usize
     }
 }

@@ -204,8 +204,8 @@ impl Bench {
                 (target - self.position).clamp(-1, 1) * speed.min(1_000)
             }
         };
-        let most = self.acceleration / 1_000;
-        self.velocity += (goal - self.velocity).clamp(-most, most);
+        let max = self.acceleration / 1_000;
+        self.velocity += (goal - self.velocity).clamp(-max, max);
         if matches!(self.goal, Goal::Position(..)) {
             self.velocity = goal;
         }

@@ -55,8 +55,8 @@ fn no_load_profile_costs_a_step() {
             * 1e-3;
         let mut lead_now = |rig: &Rig| {
             let bound = f64::from(settings.bound) / 100.0;
-            let most = f64::from(rig.servo.loops.lead()) / 100.0;
-            assert!(most <= bound + 0.005, "{what}: a lead of {most}");
+            let max = f64::from(rig.servo.loops.lead()) / 100.0;
+            assert!(max <= bound + 0.005, "{what}: a lead of {max}");
             let now = lead(&rig.servo);
             most_lead = most_lead.max(now);
             most_over = most_over.max(now - bound);
