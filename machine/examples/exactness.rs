@@ -95,7 +95,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn reaction(order: Order, profile: Profile, mode: Mode) -> Result<Reaction, Failure> {
     let mut worst = Reaction::default();
     for refill in (0..250).step_by(50) {
-        // Ramps of 20 ms, a tenth of a segment longer each.
+        // Ramps of 20 ms, a tenth of a time slice longer each.
         for tenth in 0..10 {
             let ramp = STEEP - STEEP / 800 * tenth;
             let refill = Duration::micros(refill);

@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::rc::Rc;
 
-use machine::timer_model::rig::{HZ, SEGMENT};
+use machine::timer_model::rig::{HZ, TIME_SLICE};
 use machine::timer_model::{Judge, TimerModel};
 use motion::advanced_timer::{Output, Register, Registers, Ring, SLOTS, WORDS};
 use motion::{AdvanceError, Axis, AxisConfig, Clock, DriverTiming, Limits, PulseSink};
@@ -104,7 +104,7 @@ impl Played {
         }));
         let config = AxisConfig {
             clock: Clock::new(HZ).unwrap(),
-            segment: SEGMENT,
+            time_slice: TIME_SLICE,
             timing: TIMING,
         };
         let registers = Recorded {
@@ -126,7 +126,7 @@ impl Played {
             Err(error) => panic!("{error:?}"),
         }
         self.record.borrow_mut().note_memory(self.model.time());
-        self.model.run(SEGMENT.into());
+        self.model.run(TIME_SLICE.into());
     }
 
     fn move_to(&mut self, target: i64, velocity: u32) {

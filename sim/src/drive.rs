@@ -403,7 +403,7 @@ fn drive_config(timing: DriverTiming) -> DriveConfig {
     DriveConfig {
         axis: AxisConfig {
             clock: Clock::new(STEP_CLOCK_HZ).expect("84 MHz is a step clock"),
-            segment: REFILL.ticks() as u32 * MICROSECOND,
+            time_slice: REFILL.ticks() as u32 * MICROSECOND,
             timing,
         },
         tick: CONTROL_TICK,

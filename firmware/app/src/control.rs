@@ -167,7 +167,7 @@ pub const CONFIG: DriveConfig = {
     DriveConfig {
         axis: AxisConfig {
             clock,
-            segment: Selected::STEP_CLOCK_HZ / RATE_HZ / Selected::REFILLS,
+            time_slice: Selected::STEP_CLOCK_HZ / RATE_HZ / Selected::REFILLS,
             timing: Selected::TIMING,
         },
         tick: Duration::micros(1_000_000 / RATE_HZ as u64),

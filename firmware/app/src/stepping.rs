@@ -1,6 +1,6 @@
 //! The emitter and the pulses, which control tick and refill share.
 //!
-//! The refill stands above the tick. Each of the two is locked for a question, a copy or the pulses of a few segments; a refill that comes meanwhile
+//! The refill stands above the tick. Each of the two is locked for a question, a copy or the pulses of a few time slices; a refill that comes meanwhile
 //! does not wait: who opens the lock makes up for it. So nothing is masked, and no interrupt is later for it.
 
 use core::sync::atomic::{AtomicBool, Ordering};

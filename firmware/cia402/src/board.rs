@@ -8,13 +8,13 @@ use crate::inputs::DigitalInputs;
 /// What a drive is built from.
 #[derive(Clone, Copy, Debug)]
 pub struct DriveConfig {
-    /// The step generator: clock, segment length, timing of the motor driver.
+    /// The step generator: clock, time slice length, timing of the motor driver.
     pub axis: AxisConfig,
     /// The period of the control tick, the nominal time between two calls of [`crate::Drive::tick`].
     pub tick: Duration,
     /// How often pulses are committed in the period of a tick, at least 1. With 1 [`crate::Drive::tick`] commits them; with more,
-    /// [`crate::Drive::refill`] or [`crate::Emitter::refill`] does, and a tick only for a motor that stands. Two segments are committed
-    /// ahead. A segment is at least as long as the time between two commitments, so that one of these may come late by as much.
+    /// [`crate::Drive::refill`] or [`crate::Emitter::refill`] does, and a tick only for a motor that stands. Two time slices are committed
+    /// ahead. A time slice is at least as long as the time between two commitments, so that one of these may come late by as much.
     pub refills: u32,
 }
 
@@ -91,14 +91,14 @@ pub struct Outputs {
     pub compare: Option<Compare>,
 }
 
-/// The axis with segments at least as long as the time from one commitment to the next, so that with two of them one may come late by as much.
+/// The axis with time slices at least as long as the time from one commitment to the next, so that with two of them one may come late by as much.
 #[inline(never)]
 pub(crate) fn outlast_tick(config: DriveConfig) -> AxisConfig {
     let tick = u64::from(config.axis.clock.hz()).saturating_mul(config.tick.ticks()) / 1_000_000;
     let apart = tick.checked_div(config.refills.into()).unwrap_or(tick);
     let least = u32::try_from(apart).unwrap_or(u32::MAX);
     AxisConfig {
-        segment: config.axis.segment.max(least),
+        time_slice: config.axis.time_slice.max(least),
         ..config.axis
     }
 }

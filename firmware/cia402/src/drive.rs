@@ -369,7 +369,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         );
     }
 
-    /// Commits the pulses of the next segments between two ticks ([`DriveConfig::refills`]), where these and the refills come one after the other; where
+    /// Commits the pulses of the next time slices between two ticks ([`DriveConfig::refills`]), where these and the refills come one after the other; where
     /// refills interrupt the ticks, [`Emitter::refill`] is for them. Nothing is decided here.
     pub fn refill<P>(&mut self, port: &mut P)
     where

@@ -126,7 +126,7 @@ impl Rig {
         let clock = Clock::new(STEP_CLOCK).unwrap();
         let axis = AxisConfig {
             clock,
-            segment: 500,
+            time_slice: 500,
             timing: TIMING,
         };
         Self {

@@ -2,7 +2,7 @@
 //!
 //! The axis keeps a time of its own, in ticks of the step timer, which runs while it moves. Up to the *commit horizon* the
 //! plan has become records; these are sent and stay. A new command plans from the state at the horizon, which is at most some three
-//! segments ahead of the motor, so it takes effect there, whatever the axis was doing.
+//! time slices ahead of the motor, so it takes effect there, whatever the axis was doing.
 //!
 //! In place of a plan the axis can follow a path of set-points ([`Axis::follow`]), each with its tick of that time: on that tick it
 //! is exactly there. Any other order ends the path and begins where it has led to.
@@ -23,22 +23,22 @@ use crate::plan::{Goal, Limits, Plan, PlanError, Ramps};
 use crate::record::{Direction, DriverTiming, PulseSink};
 use crate::speed::{SignedSpeed, Speed};
 use crate::stepper::polynomial::Polynomial;
-use crate::stepper::{CHORDS_PER_SEGMENT, Stepper};
+use crate::stepper::{CHORDS_PER_SLICE, Stepper};
 pub use draft::Draft;
 pub use reference::Reference;
 use trace::Trace;
 
-/// Chords that [`Axis::advance`] makes at most: those of four segments, and one for each polynomial of the shortest.
-const MOST_CHORDS: u32 = 4 * CHORDS_PER_SEGMENT + 32;
+/// Chords that [`Axis::advance`] makes at most: those of four time slices, and one for each polynomial of the shortest.
+const MOST_CHORDS: u32 = 4 * CHORDS_PER_SLICE + 32;
 
 /// What an axis is made of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct AxisConfig {
     /// The step timer's clock.
     pub clock: Clock,
-    /// Ticks per segment, for example a quarter of a millisecond; two of them must outlast a control tick. Short segments are
+    /// Ticks per time slice, for example a quarter of a millisecond; two of them must outlast a control tick. Short time slices are
     /// brought up to what `timing` needs, long ones cut to 2²⁸.
-    pub segment: u32,
+    pub time_slice: u32,
     /// What the stepper driver needs.
     pub timing: DriverTiming,
 }
@@ -55,7 +55,7 @@ pub struct Demand {
 /// Why [`Axis::advance`] has something to report. Nothing is lost but where it says so.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AdvanceError {
-    /// The sink took no more before two segments were committed. The rest is offered at the next call.
+    /// The sink took no more before two time slices were committed. The rest is offered at the next call.
     SinkFull,
     /// The sink had nothing left to play while the axis was moving: the pulses went on late, with a pause.
     Underrun,
@@ -88,8 +88,8 @@ pub struct Axis {
     /// Whether records of the present motion have been committed.
     moving: bool,
     is_averaged: bool,
-    /// The segment as it was configured; the driver may need a longer one.
-    segment: u32,
+    /// The time slice as it was configured; the driver may need a longer one.
+    time_slice: u32,
     stepper: Stepper,
     clock: Clock,
     /// How the velocity changes in what is planned from now on.
@@ -122,8 +122,8 @@ impl Axis {
             mean_jerk: 0,
             acceleration: 0,
             carry: 0,
-            stepper: Stepper::new(config.timing, config.segment, 0, 0),
-            segment: config.segment,
+            stepper: Stepper::new(config.timing, config.time_slice, 0, 0),
+            time_slice: config.time_slice,
             committed: 0,
             steps: 0,
             moving: false,
@@ -200,7 +200,7 @@ impl Axis {
 
     /// Another driver, or another configuration of it. A motion is forgotten as by [`Axis::abort`].
     pub fn set_timing(&mut self, timing: DriverTiming) {
-        self.stepper = Stepper::new(timing, self.segment, self.steps, self.committed);
+        self.stepper = Stepper::new(timing, self.time_slice, self.steps, self.committed);
         self.stand_at(self.steps);
     }
 
@@ -218,8 +218,8 @@ impl Axis {
         self.stand_at(low::i32(steps));
     }
 
-    /// Commits records until the sink has two segments to play, or the motion ends. To be called in every control tick and refill. It makes no more
-    /// than 160 chords: four segments of 32, and 32 more.
+    /// Commits records until the sink has two time slices to play, or the motion ends. To be called in every control tick and refill. It makes no more
+    /// than 160 chords: four time slices of 32, and 32 more.
     ///
     /// # Errors
     /// [`AdvanceError`]: the sink is full, or ran empty.
@@ -227,7 +227,7 @@ impl Axis {
         let pending = sink.pending();
         let starved = self.moving && pending == 0;
         let pending = u32::try_from(pending).unwrap_or(u32::MAX);
-        let missing = (self.stepper.segment() * 2).saturating_sub(pending);
+        let missing = (self.stepper.time_slice() * 2).saturating_sub(pending);
         let enough = self.committed.saturating_add(missing.into());
         let mut is_done = false;
         for _ in 0..MOST_CHORDS {
@@ -263,7 +263,7 @@ impl Axis {
         self.demand_at(self.played(pending))
     }
 
-    /// What is played at this tick of the axis' time, as far back as three segments.
+    /// What is played at this tick of the axis' time, as far back as three time slices.
     pub fn demand_at(&self, played: Ticks) -> Demand {
         self.demand_of(self.trace.at(played))
     }
@@ -458,7 +458,7 @@ impl Axis {
                 };
             }
         }
-        let least = self.stepper.segment() / 4;
+        let least = self.stepper.time_slice() / 4;
         self.trace.mark(horizon, state, least);
     }
 

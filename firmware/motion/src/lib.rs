@@ -30,10 +30,10 @@
 //! | record | a run of equal periods, each with a pulse, or silence; what a sink plays |
 //! | train | the account of steps and ticks that makes records of chords |
 //! | open period | the time behind the last pulse, which becomes a record when it is known how long it is |
-//! | segment | of time, a quarter of a millisecond on the board: a refill commits one, and two are committed ahead |
+//! | time slice | a quarter of a millisecond on the board: a refill commits one, and two are committed ahead |
 //! | committed | given to the timer as records: it will be played, whatever is ordered |
 //! | horizon | the tick up to which the trajectory has become records; a new order plans from the state there |
-//! | refill | a call of [`Axis::advance`], which commits up to two segments |
+//! | refill | a call of [`Axis::advance`], which commits up to two time slices |
 //! | rest | standstill at the end of a motion, on a whole step |
 //!
 //! # The contract

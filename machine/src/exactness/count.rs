@@ -5,7 +5,7 @@ use motion::{Limits, PlanError, Ramps};
 
 use super::{FAST, Numbers, STEEP};
 use crate::timer_model::Judge;
-use crate::timer_model::rig::{HZ, Rig, SEGMENT};
+use crate::timer_model::rig::{HZ, Rig, TIME_SLICE};
 
 /// What was counted on the pins.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -77,7 +77,7 @@ pub fn sequences(number: u64) -> Counted {
             // A command that is refused leaves the motion as it was.
             let _ = command(&mut rig, &mut numbers);
             for _ in 0..numbers.below(12) {
-                rig.refill(SEGMENT.into());
+                rig.refill(TIME_SLICE.into());
             }
             if numbers.below(50) == 0 {
                 let pause = numbers.below(u64::from(HZ) / 200);

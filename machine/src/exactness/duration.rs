@@ -9,9 +9,9 @@ use motion::{
 use serde_json::Value;
 
 use super::FAST;
-use crate::timer_model::rig::{HZ, SEGMENT};
+use crate::timer_model::rig::{HZ, TIME_SLICE};
 
-/// Moves that last longer are planned, and not played segment by segment.
+/// Moves that last longer are planned, and not played time slice by time slice.
 const LONGEST: f64 = 20.0;
 
 /// How far off the ends of the reference moves are.
@@ -83,7 +83,7 @@ fn planned(vector: &Value, v0: i32, limits: Limits, ramps: Ramps) -> Plan {
 fn played(plan: Plan) -> Ticks {
     let config = AxisConfig {
         clock: clock(),
-        segment: SEGMENT,
+        time_slice: TIME_SLICE,
         timing: FAST,
     };
     let mut axis = Axis::on_plan(config, plan);
@@ -91,7 +91,7 @@ fn played(plan: Plan) -> Ticks {
     while !axis.is_at_rest() {
         // The sum is never full, and never runs empty.
         let _ = axis.advance(&mut sum);
-        sum.pending = sum.pending.saturating_sub(SEGMENT.into());
+        sum.pending = sum.pending.saturating_sub(TIME_SLICE.into());
     }
     sum.ticks
 }

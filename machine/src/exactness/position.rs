@@ -8,7 +8,7 @@ use motion::{Clock, Goal, Limits, Phase, Plan, PulseSink, Ramps, State, Ticks};
 
 use super::FAST;
 use crate::timer_model::Judge;
-use crate::timer_model::rig::{HZ, Rig, SEGMENT};
+use crate::timer_model::rig::{HZ, Rig, TIME_SLICE};
 
 /// The greatest error in steps of a move from rest to rest that reaches `velocity` (steps/s) with ramps of so many steps/s², and
 /// keeps it for a fifth of a second. Of a moving average it is the mean from which it is counted.
@@ -41,7 +41,7 @@ pub fn greatest_error(velocity: u32, ramp: u32, ramps: Ramps) -> f64 {
         }
         None => plan.state_at(tick),
     };
-    rig.refill(SEGMENT.into());
+    rig.refill(TIME_SLICE.into());
     // A little silence comes before a train: the time of the pins at which the plan begins.
     let played = rig.axis.played(rig.output.pending());
     let begun = rig.model.time() - played;

@@ -74,7 +74,7 @@ const APART: u64 = 47;
 const ORDERS: u64 = 1_000 / APART + 1;
 
 /// The longest of many reactions, while the motor cruises at 100,000 steps/s; it stops with 5,000,000 steps/s². The refills come `phase`
-/// behind the control ticks. `ramp`, the profile acceleration, decides where in a segment the cruise begins.
+/// behind the control ticks. `ramp`, the profile acceleration, decides where in a time slice the cruise begins.
 ///
 /// # Errors
 /// What the drive did not answer rightly.

@@ -14,7 +14,7 @@ use cia402::{Device, Drive, DriveConfig, Everything, Exchange, Inputs, Outputs, 
 use motion::advanced_timer::Ring;
 use motion::{AxisConfig, Clock, DriverTiming, PulseSink};
 
-use super::rig::{HZ, SEGMENT};
+use super::rig::{HZ, TIME_SLICE};
 use super::stepping::{Beat, Lateness, MICROSECOND, REFILL, SharedEmitter, SharedPulses, Stepping};
 use super::{Judge, TimerModel};
 use crate::dictionary::Dictionary;
@@ -78,7 +78,7 @@ impl Board {
         let config = DriveConfig {
             axis: AxisConfig {
                 clock: Clock::new(HZ).expect("a clock that motion can use"),
-                segment: SEGMENT,
+                time_slice: TIME_SLICE,
                 timing,
             },
             tick: CONTROL,

@@ -8,8 +8,8 @@ use super::{Judge, TimerModel};
 /// Clock of TIM1 on the board.
 pub const HZ: u32 = 168_000_000;
 
-/// A quarter of a millisecond: a segment, and the time between two refills.
-pub const SEGMENT: u32 = HZ / 4_000;
+/// A quarter of a millisecond: a time slice, and the time between two refills.
+pub const TIME_SLICE: u32 = HZ / 4_000;
 
 /// An axis whose pulses are made by modelled timers.
 #[derive(Debug)]
@@ -34,7 +34,7 @@ impl<'a> Rig<'a> {
         let clock = Clock::new(HZ).expect("a clock that motion can use");
         let config = AxisConfig {
             clock,
-            segment: SEGMENT,
+            time_slice: TIME_SLICE,
             timing,
         };
         Self {
@@ -74,7 +74,7 @@ impl<'a> Rig<'a> {
     /// If that takes longer than so many refills.
     pub fn finish(&mut self, most: u64) {
         for _ in 0..most {
-            self.refill(SEGMENT.into());
+            self.refill(TIME_SLICE.into());
             if self.is_finished() {
                 return;
             }

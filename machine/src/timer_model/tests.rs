@@ -14,7 +14,7 @@ mod wrap;
 use motion::advanced_timer::{Register, Registers, Ring, bits};
 use motion::{Direction, DriverTiming, Limits, PulseSink, Record, Speed};
 
-use super::rig::{HZ, Rig, SEGMENT};
+use super::rig::{HZ, Rig, TIME_SLICE};
 use super::{Judge, TimerModel};
 
 /// 100 ns high, 100 ns low, 20 ns direction: a TMC2209 at 168 MHz.
@@ -85,7 +85,7 @@ fn a_train_is_played_without_a_gap() {
     *rig.model.judge_mut() = Judge::new(FAST).logging();
     rig.axis.ramp_to(200_000.into(), LIMITS).unwrap();
     for _ in 0..4_000 {
-        rig.refill(SEGMENT.into());
+        rig.refill(TIME_SLICE.into());
     }
     assert_eq!(rig.underruns, 0);
     let judge = rig.model.judge();
@@ -120,7 +120,7 @@ fn turning_round_keeps_the_times_of_the_driver() {
         for target in [10, -10, 1, 0, -1, 500, 0, -2_000] {
             rig.axis.move_to(target, sharp).unwrap();
             for _ in 0..3 {
-                rig.refill(u64::from(SEGMENT) / 2);
+                rig.refill(u64::from(TIME_SLICE) / 2);
             }
         }
         rig.finish(1_000);
@@ -145,12 +145,12 @@ fn starving_is_silence_that_is_told_and_loses_nothing() {
                 )
                 .unwrap();
             for _ in 0..50 {
-                rig.refill(SEGMENT.into());
+                rig.refill(TIME_SLICE.into());
             }
             let before = rig.underruns;
             assert_eq!(before, 0);
             // The processor stands still.
-            rig.model.run(pause * u64::from(SEGMENT));
+            rig.model.run(pause * u64::from(TIME_SLICE));
             let committed = rig.axis.committed_position();
             assert!(
                 rig.model.judge().position <= committed,
@@ -160,13 +160,13 @@ fn starving_is_silence_that_is_told_and_loses_nothing() {
                 assert_eq!(rig.model.judge().position, committed);
                 assert_eq!(rig.output.pending(), 0);
             }
-            rig.refill(SEGMENT.into());
-            rig.refill(SEGMENT.into());
+            rig.refill(TIME_SLICE.into());
+            rig.refill(TIME_SLICE.into());
             if pause >= 5 {
                 assert_eq!(
                     rig.underruns,
                     before + 1,
-                    "{velocity} steps/s, {pause} segments"
+                    "{velocity} steps/s, {pause} time slices"
                 );
             }
             rig.axis.stop(50_000_000).unwrap();
@@ -190,9 +190,9 @@ fn a_refill_that_is_late_within_the_horizon_is_not_noticed() {
             .ramp_to(velocity.cast_signed().into(), limits)
             .unwrap();
         for refill in 0..200 {
-            // Two segments less a slot, which cannot be changed once it is preloaded.
-            let late = if refill % 10 == 9 { SEGMENT / 2 } else { 0 };
-            rig.refill(u64::from(SEGMENT + late));
+            // Two time slices less a slot, which cannot be changed once it is preloaded.
+            let late = if refill % 10 == 9 { TIME_SLICE / 2 } else { 0 };
+            rig.refill(u64::from(TIME_SLICE + late));
         }
         assert_eq!(rig.underruns, 0, "{velocity} steps/s");
         let judge = rig.model.judge();
@@ -217,15 +217,15 @@ fn a_stream_that_stands_still_before_a_turn_is_counted_as_it_went() {
         };
         rig.axis.ramp_to(20_000.into(), limits).unwrap();
         for _ in 0..100 {
-            rig.refill(SEGMENT.into());
+            rig.refill(TIME_SLICE.into());
         }
         rig.axis.ramp_to((-20_000).into(), limits).unwrap();
         for _ in 0..refills {
-            rig.refill(u64::from(SEGMENT) / 4);
+            rig.refill(u64::from(TIME_SLICE) / 4);
         }
         rig.model.stall_stream(true);
         for _ in 0..6 {
-            rig.refill(SEGMENT.into());
+            rig.refill(TIME_SLICE.into());
         }
         assert!(rig.output.has_failed());
         assert_eq!(rig.output.position(), rig.model.judge().position);
@@ -245,7 +245,7 @@ fn a_processor_that_hangs_has_six_seconds_of_silence() {
         )
         .unwrap();
     for _ in 0..8_500 {
-        rig.refill(SEGMENT.into());
+        rig.refill(TIME_SLICE.into());
     }
     let committed = rig.axis.committed_position();
     rig.model.run(6 * u64::from(HZ));
@@ -263,7 +263,7 @@ fn a_processor_that_hangs_at_the_ceiling_has_six_seconds_too() {
     };
     rig.axis.ramp_to(4_900_000.into(), limits).unwrap();
     for _ in 0..600 {
-        rig.refill(SEGMENT.into());
+        rig.refill(TIME_SLICE.into());
     }
     let committed = rig.axis.committed_position();
     rig.model.run(6 * u64::from(HZ));
@@ -281,17 +281,17 @@ fn a_stream_that_stands_still_is_cut_within_a_millisecond() {
         };
         rig.axis.ramp_to(velocity.into(), limits).unwrap();
         for _ in 0..400 {
-            rig.refill(SEGMENT.into());
+            rig.refill(TIME_SLICE.into());
         }
         assert!(!rig.output.has_failed());
         rig.model.stall_stream(true);
         for _ in 0..4 {
-            rig.refill(SEGMENT.into());
+            rig.refill(TIME_SLICE.into());
         }
         assert!(rig.output.has_failed(), "{velocity} steps/s");
         let pulses = rig.model.judge().pulses;
         rig.refill(u64::from(HZ) / 10);
-        rig.refill(SEGMENT.into());
+        rig.refill(TIME_SLICE.into());
         assert_eq!(rig.model.judge().pulses, pulses, "{velocity} steps/s");
         // The counter has seen what left, and with the stream at work again pulses are made as before.
         let position = rig.output.position();
@@ -321,7 +321,7 @@ fn dropping_keeps_the_count_of_pulses_that_left() {
             )
             .unwrap();
         for _ in 0..40 {
-            rig.refill(SEGMENT.into());
+            rig.refill(TIME_SLICE.into());
         }
         rig.model.run(late * 7);
         rig.output.drop_all();
@@ -378,7 +378,7 @@ fn a_train_after_a_drop_inside_a_pulse_begins_with_its_own() {
 fn a_step_a_minute_needs_no_other_mode() {
     let mut rig = rig(FAST);
     *rig.model.judge_mut() = Judge::new(FAST).logging();
-    // A record takes a segment at most, so a minute is very many of them.
+    // A record takes a time slice at most, so a minute is very many of them.
     let push = |rig: &mut Rig<'_>, record: Record| {
         let mut record = Some(record);
         while let Some(wanted) = record.take() {
@@ -390,7 +390,7 @@ fn a_step_a_minute_needs_no_other_mode() {
         }
     };
     let pulse = Record {
-        period: SEGMENT,
+        period: TIME_SLICE,
         repeat: 1,
         width: 17,
         direction: Direction::Forward,
@@ -403,7 +403,7 @@ fn a_step_a_minute_needs_no_other_mode() {
     };
     let minute = 60 * u64::from(HZ);
     push(&mut rig, pulse);
-    let mut left = minute - u64::from(SEGMENT);
+    let mut left = minute - u64::from(TIME_SLICE);
     while left > 0 {
         let period = left.min(1 << 28) as u32;
         push(&mut rig, Record { period, ..silence });

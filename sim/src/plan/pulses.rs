@@ -72,7 +72,7 @@ pub(super) fn write(planned: &Move, path: &Path) -> io::Result<Played> {
 pub(super) fn play(planned: &Move, mut note: Option<Note<'_>>) -> io::Result<Played> {
     let mut axis = planned.curve.axis.clone();
     let mut line = Line::default();
-    let expected = planned.end.div_ceil(planned.axis.segment.into());
+    let expected = planned.end.div_ceil(planned.axis.time_slice.into());
     let mut judge = Judge {
         planned,
         played: Played {
@@ -81,7 +81,7 @@ pub(super) fn play(planned: &Move, mut note: Option<Note<'_>>) -> io::Result<Pla
         },
     };
     let mut now = 0;
-    // One segment for each call, as in the drive; a few more to play what is left.
+    // One time slice for each call, as in the drive; a few more to play what is left.
     for _ in 0..expected.saturating_mul(64).saturating_add(64) {
         // The sink is never full, and never runs empty before the end.
         let _ = axis.advance(&mut line);
@@ -92,7 +92,7 @@ pub(super) fn play(planned: &Move, mut note: Option<Note<'_>>) -> io::Result<Pla
         if axis.is_at_rest() || now > planned.end {
             break;
         }
-        line.pending = line.pending.saturating_sub(planned.axis.segment.into());
+        line.pending = line.pending.saturating_sub(planned.axis.time_slice.into());
     }
     let mut played = judge.played;
     played.position -= planned.origin;
@@ -310,7 +310,7 @@ mod tests {
             };
             let every: Vec<u64> = (0..pulses).collect();
             let timing = DriverTiming { pulse_high: 17, pulse_low: 17, direction_setup: 4, direction_hold: 4 };
-            let curve = Curve::of(AxisConfig { clock, segment: 42_000, timing }, plan.clone());
+            let curve = Curve::of(AxisConfig { clock, time_slice: 42_000, timing }, plan.clone());
             let (shown, all) = (worst(&run.worst(&curve)), worst(&every));
             // Pulses next to the extreme one are as good but for rounding.
             prop_assert!(shown.0 - all.0 < 1e-6 && all.1 - shown.1 < 1e-6, "{shown:?} for {all:?}");

@@ -13,8 +13,8 @@ use master::chart::{self, BLUE, Chart, GREEN, RED};
 /// Points of a curve.
 const POINTS: u64 = 1000;
 
-/// The segments of the drive, in seconds, but for a tick.
-const DRIVE_SEGMENT: f64 = 250.5e-6;
+/// The time slices of the drive, in seconds, but for a tick.
+const DRIVE_SLICE: f64 = 250.5e-6;
 
 /// A phase of so many ticks is there to join its neighbours.
 const JOINT: Ticks = 2;
@@ -143,7 +143,7 @@ pub(super) struct Report {
     final_position: i64,
     max_position_error_steps: f64,
     max_step_time_error_s: f64,
-    /// The segments of which the pulses were made.
+    /// The time slices of which the pulses were made.
     segment_s: f64,
     phases: Vec<Phase>,
 }
@@ -180,7 +180,7 @@ impl Report {
             final_position: played.position,
             max_position_error_steps: played.position_error,
             max_step_time_error_s: played.time_error / rate,
-            segment_s: seconds(planned.axis.segment.into()),
+            segment_s: seconds(planned.axis.time_slice.into()),
             phases,
         }
     }
@@ -205,10 +205,10 @@ impl fmt::Display for Report {
             self.max_position_error_steps,
             self.max_step_time_error_s * 1e6
         )?;
-        if self.segment_s > DRIVE_SEGMENT {
+        if self.segment_s > DRIVE_SLICE {
             writeln!(
                 f,
-                "                made in segments of {:.6} s, longer than the drive's of 250 µs",
+                "                made in time slices of {:.6} s, longer than the drive's of 250 µs",
                 self.segment_s
             )?;
         }

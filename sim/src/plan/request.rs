@@ -13,9 +13,9 @@ const PULSE: u32 = 100;
 /// From a change of direction to a pulse and the other way round, in ns.
 const TURN: u32 = 20;
 
-/// Pulses are made in segments of 250 µs, as in the drive. A move that lasts for hours gets longer ones, so that there are at
-/// most so many; no segment lasts longer than a second, and what would need more of them is not played.
-const MOST_SEGMENTS: u64 = 10_000_000;
+/// Pulses are made in time slices of 250 µs, as in the drive. A move that lasts for hours gets longer ones, so that there are at
+/// most so many; no time slice lasts longer than a second, and what would need more of them is not played.
+const MAX_TIME_SLICES: u64 = 10_000_000;
 
 /// A planned move.
 pub(super) struct Move {
@@ -96,18 +96,18 @@ impl Move {
             None => passing(&plan, target)?,
         };
         let second = u64::from(clock.hz());
-        if end / second > MOST_SEGMENTS {
+        if end / second > MAX_TIME_SLICES {
             let days = 86_400 * second;
             return Err(format!(
                 "the move takes {} days: its pulses are played for {} days at most",
                 end / days,
-                MOST_SEGMENTS / 86_400
+                MAX_TIME_SLICES / 86_400
             ));
         }
-        let segment = (end / MOST_SEGMENTS).clamp(second / 4000, second.min(1 << 28));
+        let time_slice = (end / MAX_TIME_SLICES).clamp(second / 4000, second.min(1 << 28));
         let axis = AxisConfig {
             clock,
-            segment: segment as u32,
+            time_slice: time_slice as u32,
             timing,
         };
         let curve = if let Ramps::MovingAverage(_) = ramps {

@@ -86,7 +86,7 @@ fn the_reference_moves_take_their_time_and_land() {
             .max(decimal(vector, "v0").abs());
         let peak = number(&report, "peak_velocity");
         assert!((peak / fastest - 1.0).abs() < 1e-5, "{name}: {peak}");
-        // The ramp of T20 is over within a segment.
+        // The ramp of T20 is over within a time slice.
         let most = if decimal(vector, "a") > 5e6 { 0.5 } else { 0.1 };
         let error = number(&report, "max_position_error_steps");
         assert!(0.0 < error && error <= most, "{name}: {error}");
@@ -235,7 +235,7 @@ fn phases_tell_what_smooth_ramps_do() {
             ],
         );
     }
-    // The mean changes its acceleration with each segment of 250 µs, a 400th part.
+    // The mean changes its acceleration with each time slice of 250 µs, a 400th part.
     let average = report(&format!("{move_by} --jerk 5000000 --profile average"));
     let kinds: Vec<_> = (phases(&average).iter())
         .map(|phase| phase.0.to_owned())
@@ -329,13 +329,13 @@ fn a_move_too_long_to_play_is_refused() {
 }
 
 #[test]
-fn longer_segments_than_the_drives_are_told() {
+fn longer_time_slices_than_the_drives_are_told() {
     let arguments = "--distance 2600 --velocity 1 --acceleration 1";
     let output = run(&arguments.split_whitespace().collect::<Vec<_>>());
     let text = String::from_utf8(output.stdout).unwrap();
-    assert!(text.contains("segments of 0.000260 s"), "{text}");
-    let segment = number(&report(arguments), "segment_s");
-    assert!((segment - 2_601.0 / 10e6).abs() < 1e-8, "{segment}");
+    assert!(text.contains("time slices of 0.000260 s"), "{text}");
+    let time_slice = number(&report(arguments), "segment_s");
+    assert!((time_slice - 2_601.0 / 10e6).abs() < 1e-8, "{time_slice}");
 }
 
 #[test]

@@ -66,11 +66,11 @@ impl<L: EmitterLock> StepAxis<L> {
         }
     }
 
-    /// How long ahead of the motor an axis commits its pulses: two segments.
+    /// How long ahead of the motor an axis commits its pulses: two time slices.
     pub(crate) fn commit_ahead(config: DriveConfig) -> MicrosQ16 {
         let axis = outlast_tick(config);
         let hz = u64::from(axis.clock.hz());
-        let ahead = u64::from(axis.segment).saturating_mul(2_000_000) << POINT;
+        let ahead = u64::from(axis.time_slice).saturating_mul(2_000_000) << POINT;
         ahead.checked_div(hz).unwrap_or(0)
     }
 

@@ -27,7 +27,7 @@ fn refilled_axis(refills: u32) -> StepAxis {
     let config = DriveConfig {
         axis: AxisConfig {
             clock: Clock::new(1_000_000).unwrap(),
-            segment: 500,
+            time_slice: 500,
             timing: DriverTiming {
                 pulse_high: 2,
                 pulse_low: 2,
@@ -93,7 +93,7 @@ fn a_tick_commits_what_no_refill_does_in_time() {
             committed
         };
         assert_eq!(tick(&mut axis, None), 0, "nothing is asked for");
-        assert!(tick(&mut axis, Some(1_000)) >= 1_000, "two segments");
+        assert!(tick(&mut axis, Some(1_000)) >= 1_000, "two time slices");
         for target in [None, Some(2_000)] {
             let committed = tick(&mut axis, target);
             assert_eq!(committed > 0, refills == 1, "{committed}");

@@ -80,8 +80,8 @@ mod tests {
 
     #[test]
     fn m63_of_any_period_the_motor_sets_out_after_its_set_point_is_known() {
-        for segment in [250, 1_000] {
-            let ahead = micros(2 * segment);
+        for time_slice in [250, 1_000] {
+            let ahead = micros(2 * time_slice);
             let pipeline = Pipeline::new(ahead, micros(1_000), micros(250));
             for period in [1, 2, 3, 10, 23, 24, 25, 50, 100, 250, 2_000] {
                 let period = micros(period * 1_000);

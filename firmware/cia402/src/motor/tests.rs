@@ -12,7 +12,7 @@ fn what_is_followed_has_no_ramp_of_its_own() {
     let config = DriveConfig {
         axis: AxisConfig {
             clock: Clock::new(1_000_000).unwrap(),
-            segment: 500,
+            time_slice: 500,
             timing: DriverTiming {
                 pulse_high: 2,
                 pulse_low: 2,

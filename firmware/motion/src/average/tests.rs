@@ -10,7 +10,7 @@ use proptest::test_runner::contextualize_config;
 use std::vec::Vec;
 
 const HZ: u32 = 168_000_000;
-const SEGMENT: u32 = HZ / 4000;
+const TIME_SLICE: u32 = HZ / 4000;
 
 fn clock() -> Clock {
     Clock::new(HZ).unwrap()
@@ -132,9 +132,9 @@ fn goal() -> impl Strategy<Value = Goal> {
 
 fn window() -> impl Strategy<Value = Window> {
     prop_oneof![
-        (1u32..2 * SEGMENT).prop_map(|ticks| Window::of(ticks, SEGMENT)),
-        (SEGMENT..600 * SEGMENT).prop_map(|ticks| Window::of(ticks, SEGMENT)),
-        (500 * SEGMENT..6000 * SEGMENT).prop_map(|ticks| Window::of(ticks, SEGMENT)),
+        (1u32..2 * TIME_SLICE).prop_map(|ticks| Window::of(ticks, TIME_SLICE)),
+        (TIME_SLICE..600 * TIME_SLICE).prop_map(|ticks| Window::of(ticks, TIME_SLICE)),
+        (500 * TIME_SLICE..6000 * TIME_SLICE).prop_map(|ticks| Window::of(ticks, TIME_SLICE)),
     ]
 }
 
@@ -214,7 +214,7 @@ proptest! {
     #[test]
     fn windows_are_no_shorter_than_the_jerk_asks(
         hz in Clock::SLOWEST..=Clock::FASTEST,
-        segment in 1u32..1 << 28,
+        time_slice in 1u32..1 << 28,
         accelerations in (any::<u32>(), any::<u32>()),
         jerk in 1u32..,
     ) {
@@ -222,15 +222,15 @@ proptest! {
         let limits = Limits { velocity: 1.into(), acceleration: accelerations.0, deceleration: accelerations.1 };
         let cut = Window::within(clock, limits, jerk);
         let change = u64::from(cut.acceleration) + u64::from(cut.deceleration);
-        let window = Window::new(clock, change, jerk, segment);
-        let (ticks, least) = (u64::from(window.ticks()), u64::from(segment));
+        let window = Window::new(clock, change, jerk, time_slice);
+        let (ticks, least) = (u64::from(window.ticks()), u64::from(time_slice));
         prop_assert!(u128::from(ticks) * u128::from(jerk) >= u128::from(change) * u128::from(hz));
         prop_assert!(ticks >= least);
         prop_assert!(ticks < (1 << 30) + SAMPLES as u64);
         prop_assert!(usize::from(window.count) <= SAMPLES);
         // And hardly longer, and nothing is cut without need.
         let exact = (u128::from(change) * u128::from(hz)).div_ceil(jerk.into());
-        prop_assert!(u128::from(ticks) < exact.max(segment.into()) + SAMPLES as u128);
+        prop_assert!(u128::from(ticks) < exact.max(time_slice.into()) + SAMPLES as u128);
         let needed = (u128::from(limits.acceleration.max(limits.deceleration)) * 2 * u128::from(hz)).div_ceil(jerk.into());
         prop_assert!(cut == limits || needed > 1 << 30);
     }
@@ -246,7 +246,7 @@ fn a_creeping_plan_is_followed_to_the_tick() {
         deceleration: 1,
     };
     let goal = Goal::Velocity(crate::SignedSpeed::from_bits(slow.bits() as i64));
-    let window = Window::of(400 * SEGMENT, SEGMENT);
+    let window = Window::of(400 * TIME_SLICE, TIME_SLICE);
     let mut followed = Followed::new(window, 0, goal, limits, 0);
     followed.run(u64::from(HZ));
     let (until, line) = *followed.pieces.last().unwrap();

@@ -21,19 +21,19 @@ impl Window {
     /// The longest one, in ticks: 6.4 s at 168 MHz.
     const LONGEST: u32 = 1 << 30;
 
-    /// In which the acceleration changes by `change` steps/s² at `jerk` steps/s³ or less. At least a segment of so many ticks.
-    pub(crate) fn new(clock: Clock, change: u64, jerk: u32, segment: u32) -> Self {
+    /// In which the acceleration changes by `change` steps/s² at `jerk` steps/s³ or less. At least a time slice of so many ticks.
+    pub(crate) fn new(clock: Clock, change: u64, jerk: u32, time_slice: u32) -> Self {
         let ticks = change.saturating_mul(clock.hz().into());
         let (ticks, over) = div_rem(ticks, jerk.max(1));
         let ticks = ticks.saturating_add(u64::from(over > 0));
-        Self::of(low::u32(ticks.min(Self::LONGEST.into())), segment)
+        Self::of(low::u32(ticks.min(Self::LONGEST.into())), time_slice)
     }
 
-    /// One that takes so many ticks, or a few more: at most [`SAMPLES`] of them. At least a segment.
-    pub(crate) fn of(ticks: u32, segment: u32) -> Self {
-        let segment = segment.max(1);
-        let ticks = ticks.max(segment);
-        let count = ticks.div_ceil(segment).min(low::word(SAMPLES));
+    /// One that takes so many ticks, or a few more: at most [`SAMPLES`] of them. At least a time slice.
+    pub(crate) fn of(ticks: u32, time_slice: u32) -> Self {
+        let time_slice = time_slice.max(1);
+        let ticks = ticks.max(time_slice);
+        let count = ticks.div_ceil(time_slice).min(low::word(SAMPLES));
         let grid = ticks.div_ceil(count.max(1));
         Self {
             count: low::u16(count),

@@ -11,7 +11,7 @@ impl Axis {
     /// Follows set-points: goes in a straight line from the one before, or from where the axis is at the commit horizon, and is at `to`
     /// at tick `end` of its time. To stay somewhere for a while, follow the position where the axis is.
     ///
-    /// Behind the last set-point the axis goes on at its velocity for two segments, then it stands; so a set-point that
+    /// Behind the last set-point the axis goes on at its velocity for two time slices, then it stands; so a set-point that
     /// is late by that much makes no pause.
     ///
     /// # Errors
@@ -113,7 +113,7 @@ impl Axis {
             return path.go_on(horizon, end, to, interpolation);
         }
         self.stepper.leave();
-        let coasting = self.stepper.segment() * 2;
+        let coasting = self.stepper.time_slice() * 2;
         let mut path = Path::new(horizon, self.state_at(horizon), coasting);
         path.go_on(horizon, end, to, interpolation)?;
         self.is_averaged = false;

@@ -13,7 +13,7 @@ pub struct Reference {
     pub position: Position,
     /// In steps/s.
     pub velocity: SignedSpeed,
-    /// In steps/s², the mean of a segment around the moment.
+    /// In steps/s², the mean of a time slice around the moment.
     pub acceleration: i32,
 }
 
@@ -22,7 +22,7 @@ impl Axis {
     /// [`Axis::demand`]; the acceleration as far as the motion is committed.
     pub fn reference(&self, pending: Ticks) -> Reference {
         let now = self.played(pending);
-        let half = u64::from(self.stepper.segment() / 2);
+        let half = u64::from(self.stepper.time_slice() / 2);
         let end = now.saturating_add(half).min(self.committed);
         let begin = now.saturating_sub(half);
         let speed = |at| self.trace.at(at).velocity.speed(self.clock);

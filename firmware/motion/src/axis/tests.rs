@@ -41,18 +41,18 @@ fn config(timing: DriverTiming) -> AxisConfig {
     // A quarter of a millisecond.
     AxisConfig {
         clock: Clock::new(HZ).unwrap(),
-        segment: HZ / 4000,
+        time_slice: HZ / 4000,
         timing,
     }
 }
 
 fn axis(timing: DriverTiming) -> (Axis, Replay) {
     let axis = Axis::new(config(timing));
-    let replay = Replay::new(timing, axis.stepper.segment().into());
+    let replay = Replay::new(timing, axis.stepper.time_slice().into());
     (axis, replay)
 }
 
-/// Advances in control ticks of one segment until the axis rests and everything is played.
+/// Advances in control ticks of one time slice until the axis rests and everything is played.
 fn run(axis: &mut Axis, sink: &mut Replay) {
     for _ in 0..100_000_000u64 {
         axis.advance(sink).unwrap();
@@ -61,7 +61,7 @@ fn run(axis: &mut Axis, sink: &mut Replay) {
             sink.play_out();
             return;
         }
-        sink.play(axis.stepper.segment().into());
+        sink.play(axis.stepper.time_slice().into());
     }
     panic!("the motion does not end");
 }

@@ -54,7 +54,7 @@ impl Notes {
 fn axis() -> Axis {
     Axis::new(AxisConfig {
         clock: Clock::new(84_000_000).unwrap(),
-        segment: SEGMENT as u32,
+        time_slice: SEGMENT as u32,
         timing: DriverTiming {
             pulse_high: 84,
             pulse_low: 84,

@@ -8,7 +8,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use crate::low;
 use crate::{Direction, Record};
 
-/// Records that fit. An axis keeps two segments under way, each of some tens of records at worst. A power of two.
+/// Records that fit. An axis keeps two time slices under way, each of some tens of records at worst. A power of two.
 pub const CAPACITY: usize = 128;
 
 const SLOTS: u32 = low::word(CAPACITY);

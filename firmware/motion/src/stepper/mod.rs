@@ -19,8 +19,8 @@ use crate::record::{Direction, DriverTiming, Record};
 use polynomial::Polynomial;
 use train::{CROWDED, MAX_IN_CHORD, Pulses, Train};
 
-/// Chords per segment at most, however hard the acceleration: it bounds the work of a control tick.
-pub(crate) const CHORDS_PER_SEGMENT: u32 = 32;
+/// Chords per time slice at most, however hard the acceleration: it bounds the work of a control tick.
+pub(crate) const CHORDS_PER_SLICE: u32 = 32;
 
 /// Pulses of a chord at most: in three runs they are off by an eighth of that in ticks.
 const MAX_PULSES: u32 = 8 * CROWDED;
@@ -60,12 +60,12 @@ pub(crate) struct Stepper {
 }
 
 impl Stepper {
-    /// A stepper that stands at `steps` at tick `now`. `segment` is brought into a range that `timing` allows.
-    pub(crate) fn new(timing: DriverTiming, segment: u32, steps: i32, now: Ticks) -> Self {
-        let train = Train::new(timing, segment, steps, now);
-        let segment = train.segment;
+    /// A stepper that stands at `steps` at tick `now`. `time slice` is brought into a range that `timing` allows.
+    pub(crate) fn new(timing: DriverTiming, time_slice: u32, steps: i32, now: Ticks) -> Self {
+        let train = Train::new(timing, time_slice, steps, now);
+        let time_slice = train.time_slice;
         // With the open period in front of it, it is one run.
-        let longest = segment.min(train.shortest.saturating_mul(MAX_IN_CHORD));
+        let longest = time_slice.min(train.shortest.saturating_mul(MAX_IN_CHORD));
         Self {
             horizon: now,
             polynomial: Polynomial::NONE,
@@ -79,7 +79,7 @@ impl Stepper {
             longest_up_to: (u64::from(MAX_PULSES) << 32)
                 .checked_div(longest.into())
                 .map_or(u32::MAX, |rate| rate.min(1 << 31) as u32),
-            least: longest.min(segment / CHORDS_PER_SEGMENT),
+            least: longest.min(time_slice / CHORDS_PER_SLICE),
             train,
         }
     }
@@ -97,10 +97,10 @@ impl Stepper {
         self.horizon
     }
 
-    /// The length of a segment in ticks. No record is longer, but for a run that begins with the last pulse before its chord.
+    /// The length of a time slice in ticks. No record is longer, but for a run that begins with the last pulse before its chord.
     #[inline]
-    pub(crate) const fn segment(&self) -> u32 {
-        self.train.segment
+    pub(crate) const fn time_slice(&self) -> u32 {
+        self.train.time_slice
     }
 
     /// The longest chord, in ticks.

@@ -7,7 +7,7 @@
 //! How many steps are due is always the difference between the position and the steps made. A pulse that the driver's timing
 //! delays is made later, and never lost.
 
-use super::CHORDS_PER_SEGMENT;
+use super::CHORDS_PER_SLICE;
 use crate::clock::Ticks;
 use crate::iterations::Iterations;
 use crate::low;
@@ -60,7 +60,7 @@ pub(super) struct Train {
     hold: u32,
     /// From a change of direction to the next pulse.
     setup: u32,
-    pub(super) segment: u32,
+    pub(super) time_slice: u32,
     /// Steps made, modulo 2³².
     pub(super) steps: i32,
     /// Up to here there are records. What follows is the open period.
@@ -75,8 +75,8 @@ pub(super) struct Train {
 }
 
 impl Train {
-    /// A train that stands at `steps` at tick `now`. `segment` is brought into a range that `timing` allows.
-    pub(super) fn new(timing: DriverTiming, segment: u32, steps: i32, now: Ticks) -> Self {
+    /// A train that stands at `steps` at tick `now`. `time slice` is brought into a range that `timing` allows.
+    pub(super) fn new(timing: DriverTiming, time_slice: u32, steps: i32, now: Ticks) -> Self {
         let timing = timing.checked();
         let shortest = timing.shortest_period();
         let least = shortest.max(SHORTEST_RECORD);
@@ -91,9 +91,9 @@ impl Train {
             least,
             hold,
             setup,
-            // No longer than so many runs; long enough that a record of one segment keeps every time of the driver.
-            segment: segment
-                .min(shortest.saturating_mul(CHORDS_PER_SEGMENT * MAX_IN_CHORD))
+            // No longer than so many runs; long enough that a record of one time slice keeps every time of the driver.
+            time_slice: time_slice
+                .min(shortest.saturating_mul(CHORDS_PER_SLICE * MAX_IN_CHORD))
                 .min(1 << 28)
                 .max((hold + setup) * 2),
             steps,
@@ -154,7 +154,7 @@ impl Train {
         self.steps.wrapping_sub(self.open_step)
     }
 
-    /// Ticks from the end of the records to `now`; negative if they go further. A few segments at most, either way.
+    /// Ticks from the end of the records to `now`; negative if they go further. A few time slices at most, either way.
     #[inline]
     pub(super) const fn open_at(&self, now: Ticks) -> i32 {
         low::u32(now)
@@ -218,7 +218,7 @@ impl Train {
         let eighth = self.period >> 3;
         let is_alike = base.wrapping_add(eighth).wrapping_sub(self.period) <= eighth << 1
             && open <= base.wrapping_add(eighth)
-            && base < self.segment
+            && base < self.time_slice
             && self.open_step == sign;
         if !is_alike {
             return false;
@@ -255,7 +255,7 @@ impl Train {
         let direction = pulses.direction;
         let shortest = self.shortest;
         let open = self.open_at(begin);
-        // Both are less than a segment.
+        // Both are less than a time slice.
         let (first, last) = (pulses.first.cast_signed(), pulses.last.cast_signed());
         let length = length.cast_signed();
         let joins = pulses.count >= MANY
@@ -365,21 +365,21 @@ impl Train {
             ticks = ticks.saturating_sub(self.hold);
         }
         self.silence(ticks, direction);
-        if has_pulse && !is_turning && ticks <= self.segment {
+        if has_pulse && !is_turning && ticks <= self.time_slice {
             self.period = ticks;
         }
         self.direction = Some(direction);
         self.open_step = direction.sign();
     }
 
-    /// Records for `ticks` of the open period: its pulse if it has one, then silence. None is longer than a segment or shorter than
+    /// Records for `ticks` of the open period: its pulse if it has one, then silence. None is longer than a time slice or shorter than
     /// the driver's shortest period.
     fn silence(&mut self, mut ticks: u32, direction: Direction) {
         let mut iterations = Iterations::at_most(low::word(MAX_RECORDS));
         while ticks > 0 {
             iterations.count();
-            let part = if ticks > self.segment {
-                self.segment.min(ticks.saturating_sub(self.least))
+            let part = if ticks > self.time_slice {
+                self.time_slice.min(ticks.saturating_sub(self.least))
             } else {
                 ticks
             };

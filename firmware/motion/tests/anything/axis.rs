@@ -96,7 +96,7 @@ struct Bench {
     axis: Axis,
     sink: Sink,
     clock: Clock,
-    segment: Ticks,
+    time_slice: Ticks,
 }
 
 impl Bench {
@@ -107,12 +107,12 @@ impl Bench {
             100..200 => DRIVERS[1],
             _ => timing(bytes),
         };
-        let segment = hz / [4_000, 1_000, 10_000][usize::from(bytes.byte() % 3)];
+        let time_slice = hz / [4_000, 1_000, 10_000][usize::from(bytes.byte() % 3)];
         let clock = Clock::new(hz).expect("a clock that motion can use");
         Self {
             axis: Axis::new(AxisConfig {
                 clock,
-                segment,
+                time_slice,
                 timing,
             }),
             sink: Sink {
@@ -124,7 +124,7 @@ impl Bench {
                 position: 0,
             },
             clock,
-            segment: segment.into(),
+            time_slice: time_slice.into(),
         }
     }
 
@@ -160,7 +160,7 @@ impl Bench {
 
     fn finish(&mut self) {
         for _ in 0..PATIENCE {
-            self.refill(self.segment);
+            self.refill(self.time_slice);
             if self.axis.is_at_rest() {
                 return;
             }
@@ -193,10 +193,10 @@ pub fn check(bytes: &[u8]) {
         order(&mut bench, &mut bytes);
         let count = u32::from(bytes.byte()).min(refills);
         refills -= count;
-        // On time, or late by any part of four segments.
+        // On time, or late by any part of four time slices.
         let late = match bytes.byte() {
-            0..200 => bench.segment,
-            late => bench.segment * u64::from(late - 200) / 16,
+            0..200 => bench.time_slice,
+            late => bench.time_slice * u64::from(late - 200) / 16,
         };
         for _ in 0..count {
             bench.refill(late);

@@ -244,7 +244,7 @@ impl Rig {
         let config = DriveConfig {
             axis: AxisConfig {
                 clock: Clock::new(1_000_000).unwrap(),
-                segment: 1_000,
+                time_slice: 1_000,
                 timing: DriverTiming {
                     pulse_high: 2,
                     pulse_low: 2,

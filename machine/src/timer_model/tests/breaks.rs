@@ -3,7 +3,7 @@
 use motion::advanced_timer::on_break;
 use motion::{Limits, PulseSink};
 
-use super::super::rig::{HZ, Rig, SEGMENT};
+use super::super::rig::{HZ, Rig, TIME_SLICE};
 use super::{FAST, LIMITS, rig};
 
 /// Between a break and what its interrupt does: two microseconds.
@@ -30,11 +30,11 @@ fn the_break_input_cuts_the_pulses_by_hardware() {
     let mut rig = rig(FAST);
     rig.axis.ramp_to(100_000.into(), LIMITS).unwrap();
     for _ in 0..1_000 {
-        rig.refill(SEGMENT.into());
+        rig.refill(TIME_SLICE.into());
     }
     let before = rig.model.judge().pulses;
     rig.model.set_break(true);
-    rig.model.run(SEGMENT.into());
+    rig.model.run(TIME_SLICE.into());
     assert_eq!(rig.model.judge().pulses, before);
     assert!(rig.output.is_broken());
     rig.output.drop_all();
@@ -57,14 +57,14 @@ fn a_break_leaves_the_position_within_the_latency_of_its_interrupt() {
             let mut rig = rig(FAST);
             rig.axis.ramp_to(velocity.into(), fast()).unwrap();
             for _ in 0..40 {
-                rig.refill(SEGMENT.into());
+                rig.refill(TIME_SLICE.into());
             }
             rig.model.run(late);
             rig.model.set_break(true);
             rig.model.run(LATENCY);
             interrupt(&mut rig);
             for _ in 0..8 {
-                rig.refill(SEGMENT.into());
+                rig.refill(TIME_SLICE.into());
                 interrupt(&mut rig);
                 assert!(rig.output.is_broken() && !rig.output.has_failed());
             }
@@ -93,7 +93,7 @@ fn a_break_leaves_the_position_within_the_latency_of_its_interrupt() {
 fn a_break_that_ends_while_it_is_mended_leaves_no_fault() {
     for writes in 0..6 {
         let mut rig = rig(FAST);
-        rig.refill(SEGMENT.into());
+        rig.refill(TIME_SLICE.into());
         rig.model.set_break(true);
         rig.output.drop_all();
         rig.model.end_break_behind(writes);
@@ -106,7 +106,7 @@ fn a_break_that_ends_while_it_is_mended_leaves_no_fault() {
         assert!(!rig.output.is_broken(), "{writes}");
         rig.axis.move_to(300, fast()).unwrap();
         for _ in 0..40 {
-            rig.refill(SEGMENT.into());
+            rig.refill(TIME_SLICE.into());
             interrupt(&mut rig);
         }
         assert!(!rig.output.has_failed(), "{writes}");
@@ -125,7 +125,7 @@ fn a_break_in_the_reset_before_a_train_is_not_lost() {
             let mut rig = rig(FAST);
             rig.axis.ramp_to(100_000.into(), fast()).unwrap();
             for _ in 0..40 {
-                rig.refill(SEGMENT.into());
+                rig.refill(TIME_SLICE.into());
             }
             // The train is dropped while the stream is still to serve it.
             rig.model.stall_stream(true);
@@ -142,7 +142,7 @@ fn a_break_in_the_reset_before_a_train_is_not_lost() {
             for _ in 0..9 {
                 rig.refill(LATENCY);
                 interrupt(&mut rig);
-                rig.model.run(u64::from(SEGMENT) - LATENCY);
+                rig.model.run(u64::from(TIME_SLICE) - LATENCY);
                 assert!(!rig.output.has_failed(), "{case}");
             }
             let was_seen = rig.output.is_broken();
@@ -173,7 +173,7 @@ fn a_break_hides_no_error_of_the_stream() {
         let mut rig = rig(FAST);
         rig.axis.ramp_to((-100_000).into(), fast()).unwrap();
         for _ in 0..40 {
-            rig.refill(SEGMENT.into());
+            rig.refill(TIME_SLICE.into());
         }
         rig.model.fail_stream();
         rig.model.set_break(true);
@@ -182,7 +182,7 @@ fn a_break_hides_no_error_of_the_stream() {
             rig.output.service();
         }
         rig.output.drop_all();
-        rig.refill(SEGMENT.into());
+        rig.refill(TIME_SLICE.into());
         assert!(rig.output.has_failed() && rig.output.is_broken());
         let position = rig.output.position();
         assert_eq!(position, rig.model.judge().position);

@@ -3,7 +3,7 @@
 use motion::Limits;
 use motion::advanced_timer::{CaptureChannel, count_at_edge};
 
-use super::super::rig::{HZ, Rig, SEGMENT};
+use super::super::rig::{HZ, Rig, TIME_SLICE};
 use super::{FAST, rig};
 
 /// Between an edge and what its interrupt reads: a microsecond.
@@ -25,7 +25,7 @@ fn at(velocity: i32) -> Rig<'static> {
     };
     rig.axis.ramp_to(velocity.into(), limits).unwrap();
     for _ in 0..100 {
-        rig.refill(SEGMENT.into());
+        rig.refill(TIME_SLICE.into());
     }
     rig
 }
@@ -38,10 +38,10 @@ fn interrupt(rig: &mut Rig<'_>, channel: CaptureChannel) -> i64 {
 }
 
 /// Refills on time, and looks at the position once a millisecond.
-fn wait(rig: &mut Rig<'_>, segments: u32) {
-    for segment in 0..segments {
-        rig.refill(SEGMENT.into());
-        if segment % 4 == 0 {
+fn wait(rig: &mut Rig<'_>, slices: u32) {
+    for time_slice in 0..slices {
+        rig.refill(TIME_SLICE.into());
+        if time_slice % 4 == 0 {
             rig.output.position();
         }
     }
@@ -74,7 +74,7 @@ fn a_captured_count_is_the_position_of_the_edge() {
 #[test]
 fn a_capture_behind_its_interrupt_is_not_taken_for_the_next_edge() {
     for velocity in [3_000, 100_000, 1_000_000] {
-        for segments in [1, 2, 5, 40] {
+        for slices in [1, 2, 5, 40] {
             let mut rig = at(velocity);
             let steps_in_latency = i64::from(velocity) / 1_000_000;
             for (number, channel) in CHANNELS {
@@ -87,7 +87,7 @@ fn a_capture_behind_its_interrupt_is_not_taken_for_the_next_edge() {
                         (0..=1 + steps_in_latency).contains(&late),
                         "{found} for {there}, {velocity} steps/s"
                     );
-                    wait(&mut rig, segments);
+                    wait(&mut rig, slices);
                 }
             }
         }

@@ -10,7 +10,7 @@ use proptest::test_runner::contextualize_config;
 use super::random::ramps;
 use super::slow::{HOURLY, limits};
 use super::{FAST, ring};
-use crate::timer_model::rig::{HZ, SEGMENT};
+use crate::timer_model::rig::{HZ, TIME_SLICE};
 use crate::timer_model::{Judge, TimerModel};
 use motion::advanced_timer::Output;
 
@@ -195,11 +195,11 @@ struct Kept {
 }
 
 impl Kept {
-    /// So many refills, each a segment behind the other.
+    /// So many refills, each a time slice behind the other.
     fn play(&mut self, axis: &mut Axis, refills: u32) {
         for _ in 0..refills {
             axis.advance(self).unwrap();
-            self.pending = self.pending.saturating_sub(SEGMENT.into());
+            self.pending = self.pending.saturating_sub(TIME_SLICE.into());
         }
     }
 
@@ -215,7 +215,7 @@ impl Kept {
 fn still() -> Axis {
     Axis::new(AxisConfig {
         clock: Clock::new(HZ).unwrap(),
-        segment: SEGMENT,
+        time_slice: TIME_SLICE,
         timing: FAST,
     })
 }

@@ -2,7 +2,7 @@
 
 use motion::advanced_timer::Register;
 
-use super::super::rig::{HZ, SEGMENT};
+use super::super::rig::{HZ, TIME_SLICE};
 use super::{FAST, LIMITS, rig};
 
 /// When a train begins the timer may be on its way already when the processor comes back to work out when its slots are fetched.
@@ -29,7 +29,7 @@ fn interrupts_anywhere_lose_no_pulse() {
         for target in [1_000, -2_000, -1_990, 5_000, 0] {
             rig.axis.move_to(target, LIMITS).unwrap();
             for _ in 0..40 {
-                rig.refill(u64::from(SEGMENT));
+                rig.refill(u64::from(TIME_SLICE));
             }
         }
         rig.finish(10_000);

@@ -2,7 +2,7 @@
 
 use motion::{Direction, Limits, PulseSink, Record};
 
-use super::super::rig::{HZ, Rig, SEGMENT};
+use super::super::rig::{HZ, Rig, TIME_SLICE};
 use super::{FAST, rig};
 
 /// A burst takes so many ticks.
@@ -19,7 +19,7 @@ fn cruising() -> Rig<'static> {
     };
     rig.axis.ramp_to(1_000_000.into(), limits).unwrap();
     for _ in 0..20 {
-        rig.refill(SEGMENT.into());
+        rig.refill(TIME_SLICE.into());
     }
     rig
 }
@@ -137,7 +137,7 @@ fn an_error_of_the_stream_before_a_turn_is_counted_as_it_went() {
         }
         rig.model.run(late * 150);
         rig.model.fail_stream();
-        rig.model.run(SEGMENT.into());
+        rig.model.run(TIME_SLICE.into());
         if late % 2 == 0 {
             rig.output.service();
         } else {

@@ -5,7 +5,7 @@ use motion::{Axis, DriverTiming, FollowError, Limits, Position, PulseSink, Ramps
 use proptest::prelude::*;
 use proptest::test_runner::contextualize_config;
 
-use super::super::rig::{HZ, Rig, SEGMENT};
+use super::super::rig::{HZ, Rig, TIME_SLICE};
 use super::{FAST, SLOW, rig};
 
 #[derive(Clone, Debug)]
@@ -61,15 +61,15 @@ fn command() -> impl Strategy<Value = Command> {
         2 => (-900_000..900_000i32, limits()).prop_map(|(velocity, limits)| Command::RampTo(velocity, limits)),
         2 => (-20_000..20_000i32, 0..900_000u32, limits())
             .prop_map(|(target, end, limits)| Command::MoveThrough(target, end, limits)),
-        2 => (1..20 * SEGMENT, -900_000..900_000i32).prop_map(|(ticks, velocity)| Command::Follow(ticks, velocity)),
+        2 => (1..20 * TIME_SLICE, -900_000..900_000i32).prop_map(|(ticks, velocity)| Command::Follow(ticks, velocity)),
         2 => (1..50_000_000u32).prop_map(Command::Stop),
         2 => ramps(20).prop_map(Command::Choose),
         1 => Just(Command::Drop),
-        1 => (0..SEGMENT, any::<bool>()).prop_map(|(late, is_bus_error)| Command::StreamEnds(late, is_bus_error)),
-        1 => (0..SEGMENT, 0..LATENCY, 0..9u8).prop_map(|(late, latency, refills)| Command::Break(late, latency, refills)),
+        1 => (0..TIME_SLICE, any::<bool>()).prop_map(|(late, is_bus_error)| Command::StreamEnds(late, is_bus_error)),
+        1 => (0..TIME_SLICE, 0..LATENCY, 0..9u8).prop_map(|(late, latency, refills)| Command::Break(late, latency, refills)),
         8 => any::<u8>().prop_map(Command::Refill),
-        2 => (0..4 * SEGMENT).prop_map(Command::Late),
-        1 => (0..400 * SEGMENT).prop_map(Command::Late),
+        2 => (0..4 * TIME_SLICE).prop_map(Command::Late),
+        1 => (0..400 * TIME_SLICE).prop_map(Command::Late),
     ]
 }
 
@@ -101,7 +101,7 @@ fn end_stream(rig: &mut Rig<'_>, is_bus_error: bool) {
         rig.model.stall_stream(true);
     }
     for _ in 0..5 {
-        rig.refill(SEGMENT.into());
+        rig.refill(TIME_SLICE.into());
     }
     // A bus error needs a stream that is on.
     let is_noticed = rig.output.has_failed() || rig.output.pending() == 0;
@@ -125,7 +125,7 @@ fn break_off(rig: &mut Rig<'_>, latency: u32, refills: u8) {
     answer(rig);
     let most = (rig.model.time() - began) / PERIOD + 1;
     for _ in 0..refills {
-        rig.refill(SEGMENT.into());
+        rig.refill(TIME_SLICE.into());
         answer(rig);
     }
     assert!(!rig.output.has_failed());
@@ -179,7 +179,7 @@ fn play(commands: &[Command], timing: DriverTiming, burst: u64, access: u64, cou
             }
             Command::Refill(times) => {
                 for _ in 0..times {
-                    rig.refill(SEGMENT.into());
+                    rig.refill(TIME_SLICE.into());
                 }
                 Ok(())
             }

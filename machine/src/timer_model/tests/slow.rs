@@ -4,7 +4,7 @@ use motion::{Axis, AxisConfig, Clock, Limits, Plan, Position, Speed, State, Velo
 
 use super::{FAST, rig};
 use crate::timer_model::Judge;
-use crate::timer_model::rig::{HZ, Rig, SEGMENT};
+use crate::timer_model::rig::{HZ, Rig, TIME_SLICE};
 
 /// One step in an hour.
 pub(super) const HOURLY: Speed = Speed::from_bits((1 << 32) / 3_600);
@@ -31,7 +31,7 @@ fn log(rig: &Rig<'_>) -> Vec<u64> {
 
 fn refill(rig: &mut Rig<'_>, refills: u32) {
     for _ in 0..refills {
-        rig.refill(SEGMENT.into());
+        rig.refill(TIME_SLICE.into());
         assert_eq!(rig.underruns, 0);
     }
 }
@@ -49,7 +49,7 @@ fn a_step_in_an_hour_leaves_at_its_time() {
     let plan = Plan::velocity(clock, 0, from, HOURLY.signed(false), limits(HOURLY)).unwrap();
     let config = AxisConfig {
         clock,
-        segment: SEGMENT,
+        time_slice: TIME_SLICE,
         timing: FAST,
     };
     rig.axis = Axis::on_plan(config, plan);

@@ -5,7 +5,7 @@
 
 use motion::{Goal, Limits, Plan, Ramps};
 
-use super::super::rig::{Rig, SEGMENT};
+use super::super::rig::{Rig, TIME_SLICE};
 use super::{FAST, HZ, rig};
 
 /// Other interrupts in 250 µs: three frames at full bus load, edges of inputs. In microseconds.
@@ -48,7 +48,7 @@ const JERK: u32 = 50_000_000;
 
 const ALL: [Ramps; 3] = [Ramps::Linear, Ramps::SinSquared, Ramps::MovingAverage(JERK)];
 
-/// An axis with a refill in each segment.
+/// An axis with a refill in each time slice.
 struct Bench {
     rig: Rig<'static>,
     /// Ticks to the next refill.
@@ -72,15 +72,15 @@ impl Bench {
             self.rig.model.run(self.left);
             passed += self.left;
             self.rig.refill(0);
-            self.left = SEGMENT.into();
+            self.left = TIME_SLICE.into();
         }
         self.rig.model.run(ticks - passed);
         self.left -= ticks - passed;
     }
 
-    /// Lets the axis move for so many segments.
-    fn go_on(&mut self, segments: u32) {
-        self.pass(u64::from(segments) * u64::from(SEGMENT));
+    /// Lets the axis move for so many time slices.
+    fn go_on(&mut self, slices: u32) {
+        self.pass(u64::from(slices) * u64::from(TIME_SLICE));
     }
 
     /// A plan that takes so many instructions, and where it was overtaken another one, for which the refill waits.
@@ -106,7 +106,7 @@ impl Bench {
     }
 }
 
-/// A motion with `first`, and every few segments another with ramps of `then` and of `first` in turn, at all moments between two refills. Each plan takes
+/// A motion with `first`, and every few time slices another with ramps of `then` and of `first` in turn, at all moments between two refills. Each plan takes
 /// so many instructions. Returns how often there were no pulses, and how many plans were overtaken.
 fn planned_anew((first, then): (Ramps, Ramps), velocity: u32, cost: u64) -> (u64, u32) {
     let mut bench = Bench::new();
@@ -115,7 +115,7 @@ fn planned_anew((first, then): (Ramps, Ramps), velocity: u32, cost: u64) -> (u64
     let mut target = far;
     for number in 0..24_u32 {
         bench.go_on(5 + number * 7 % 40);
-        bench.pass(u64::from(SEGMENT) * u64::from(number * 5 % 24) / 24);
+        bench.pass(u64::from(TIME_SLICE) * u64::from(number * 5 % 24) / 24);
         let ramps = if number % 2 == 0 { then } else { first };
         target = match number % 3 {
             2 => far / 4,
@@ -156,7 +156,7 @@ fn no_stop_makes_a_pause() {
                 let speed = velocity.cast_signed();
                 bench.order(Goal::Velocity(speed.into()), velocity, ramps, WORST_PLAN);
                 bench.go_on(40 + moment * 11 % 400);
-                bench.pass(u64::from(SEGMENT) * u64::from(moment) / 40);
+                bench.pass(u64::from(TIME_SLICE) * u64::from(moment) / 40);
                 if moment % 3 > 0 {
                     // An early tick, with the regular one behind it.
                     bench.order(stop, velocity, ramps, WORST_PLAN);

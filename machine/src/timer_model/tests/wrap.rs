@@ -2,7 +2,7 @@
 
 use motion::{Limits, PulseSink};
 
-use super::super::rig::SEGMENT;
+use super::super::rig::TIME_SLICE;
 use super::{FAST, rig};
 
 #[test]
@@ -19,7 +19,7 @@ fn the_counter_may_wrap_in_a_run_at_a_turn_and_behind_an_edge() {
         for target in [10_000, 0, 10_001, 0] {
             rig.axis.move_to(target, limits).unwrap();
             while !rig.is_finished() {
-                rig.refill(u64::from(SEGMENT));
+                rig.refill(u64::from(TIME_SLICE));
                 let position = rig.output.position();
                 let count = rig.model.count();
                 captured.push((count, position));

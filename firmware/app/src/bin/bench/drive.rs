@@ -22,7 +22,7 @@ const TICK: Duration = Duration::millis(1);
 /// As on the board.
 const REFILLS: u32 = 4;
 /// Ticks of the step timer from one refill to the next.
-const SEGMENT: u32 = HZ / 1_000 / REFILLS;
+const TIME_SLICE: u32 = HZ / 1_000 / REFILLS;
 
 /// A motor that follows at once.
 #[derive(Default)]
@@ -111,7 +111,7 @@ impl Bench {
     pub fn tick(&mut self, now: Instant) -> u32 {
         self.now = now;
         for _ in 0..REFILLS {
-            self.motor.pending = self.motor.pending.saturating_sub(SEGMENT.into());
+            self.motor.pending = self.motor.pending.saturating_sub(TIME_SLICE.into());
             self.drive.refill(&mut self.motor);
         }
         let levels = u8::from(self.motor.position >= self.home) << 2;
@@ -182,7 +182,7 @@ impl Bench {
         let config = DriveConfig {
             axis: AxisConfig {
                 clock: Clock::new(HZ).unwrap(),
-                segment: SEGMENT,
+                time_slice: TIME_SLICE,
                 timing: DriverTiming {
                     pulse_high: 210,
                     pulse_low: 210,

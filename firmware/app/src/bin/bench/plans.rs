@@ -167,7 +167,7 @@ impl PulseSink for Gone {
 fn standing(ramps: Ramps) -> Axis {
     let mut axis = Axis::new(AxisConfig {
         clock: Clock::new(HZ).unwrap(),
-        segment: HZ / 4_000,
+        time_slice: HZ / 4_000,
         timing: DriverTiming {
             pulse_high: 9,
             pulse_low: 9,

@@ -1,6 +1,6 @@
-//! Pulses: a segment into records, records into the ring of an advanced timer, a step by interrupt.
+//! Pulses: a time slice into records, records into the ring of an advanced timer, a step by interrupt.
 //!
-//! The clock is that of TIM1 on the board, 168 MHz, and a segment lasts 250 µs.
+//! The clock is that of TIM1 on the board, 168 MHz, and a time slice lasts 250 µs.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
@@ -13,7 +13,7 @@ use motion::{
 use crate::{count, row};
 
 const HZ: u32 = 168_000_000;
-const SEGMENT: u32 = HZ / 4_000;
+const TIME_SLICE: u32 = HZ / 4_000;
 
 /// What a TMC2209 needs: 100 ns high and low, 20 ns around a change of direction.
 const TIMING: DriverTiming = DriverTiming {
@@ -56,7 +56,7 @@ fn advance<S: PulseSink>(axis: &mut Axis, sink: &mut S) {
 fn axis() -> Axis {
     Axis::new(AxisConfig {
         clock: Clock::new(HZ).unwrap(),
-        segment: SEGMENT,
+        time_slice: TIME_SLICE,
         timing: TIMING,
     })
 }
@@ -71,44 +71,44 @@ fn limits(velocity: u32) -> Limits {
 
 /// All workloads.
 pub fn run() {
-    let accelerating = segment(400_000, 800, Ramps::Linear);
-    let slow = segment(100_000, 2_000, Ramps::Linear);
-    let fast = segment(1_000_000, 8_500, Ramps::Linear);
-    // A window of 100 ms: a sample in each segment.
+    let accelerating = time_slice(400_000, 800, Ramps::Linear);
+    let slow = time_slice(100_000, 2_000, Ramps::Linear);
+    let fast = time_slice(1_000_000, 8_500, Ramps::Linear);
+    // A window of 100 ms: a sample in each time slice.
     let average = Ramps::MovingAverage(10_000_000);
-    let meaning = segment(400_000, 1_000, average);
-    let steady = segment(100_000, 2_000, average);
+    let meaning = time_slice(400_000, 1_000, average);
+    let steady = time_slice(100_000, 2_000, average);
     // In the first part of the ramp, where the acceleration grows.
-    let sine = segment(400_000, 1_067, Ramps::SinSquared);
+    let sine = time_slice(400_000, 1_067, Ramps::SinSquared);
     row(
-        "steps: segment of 250 µs, accelerating at 100 kHz",
+        "steps: time slice of 250 µs, accelerating at 100 kHz",
         accelerating,
     );
     row(
-        "steps: segment of 250 µs, moving average, accelerating at 100 kHz",
+        "steps: time slice of 250 µs, moving average, accelerating at 100 kHz",
         meaning,
     );
     row(
-        "steps: segment of 250 µs, sin², accelerating at 100 kHz",
+        "steps: time slice of 250 µs, sin², accelerating at 100 kHz",
         sine,
     );
-    row("steps: segment of 250 µs, cruising at 100 kHz", slow);
+    row("steps: time slice of 250 µs, cruising at 100 kHz", slow);
     row(
-        "steps: segment of 250 µs, moving average, cruising at 100 kHz",
+        "steps: time slice of 250 µs, moving average, cruising at 100 kHz",
         steady,
     );
-    row("steps: segment of 250 µs, cruising at 1 MHz", fast);
+    row("steps: time slice of 250 µs, cruising at 1 MHz", fast);
     row(
-        "steps: segment and ring of the timer, cruising at 1 MHz",
+        "steps: time slice and ring of the timer, cruising at 1 MHz",
         refill(1_000_000),
     );
     // A period of half a tick more than a whole one: the most runs.
     row(
-        "steps: segment and ring of the timer, cruising at 2 MHz",
+        "steps: time slice and ring of the timer, cruising at 2 MHz",
         refill(1_988_165),
     );
     row(
-        "steps: segment and ring of the timer, cruising at 4.9 MHz",
+        "steps: time slice and ring of the timer, cruising at 4.9 MHz",
         refill(4_869_565),
     );
     row(
@@ -149,8 +149,8 @@ fn thousandths(instructions: u32) -> u32 {
     instructions / 2 * 3 / (HZ / 1_000)
 }
 
-/// One refill of a segment, so many refills after the start.
-fn segment(velocity: u32, refills: u32, ramps: Ramps) -> u32 {
+/// One refill of a time slice, so many refills after the start.
+fn time_slice(velocity: u32, refills: u32, ramps: Ramps) -> u32 {
     let mut axis = axis();
     axis.set_ramps(ramps);
     let mut sink = Played::default();
@@ -158,7 +158,7 @@ fn segment(velocity: u32, refills: u32, ramps: Ramps) -> u32 {
         .unwrap();
     for _ in 0..refills {
         advance(&mut axis, &mut sink);
-        sink.pending = sink.pending.saturating_sub(SEGMENT.into());
+        sink.pending = sink.pending.saturating_sub(TIME_SLICE.into());
     }
     let before = sink.steps;
     let (count, ()) = count(|| advance(&mut axis, &mut sink));
@@ -240,7 +240,7 @@ fn refills(velocity: u32, before: u32, number: u32) -> u32 {
         if turn >= before {
             sum += count;
         }
-        let now = NOW.load(Ordering::Relaxed).wrapping_add(SEGMENT);
+        let now = NOW.load(Ordering::Relaxed).wrapping_add(TIME_SLICE);
         NOW.store(now, Ordering::Relaxed);
         // The slots that have been fetched when the next refill comes.
         let mut next = end.unwrap_or(STARTED.load(Ordering::Relaxed).wrapping_add(1 << 12));

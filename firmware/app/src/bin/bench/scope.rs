@@ -44,7 +44,7 @@ pub fn run() {
     let drive: Drive = Drive::new(DriveConfig {
         axis: AxisConfig {
             clock: Clock::new(84_000_000).unwrap(),
-            segment: 84_000,
+            time_slice: 84_000,
             timing: DriverTiming {
                 pulse_high: 210,
                 pulse_low: 210,

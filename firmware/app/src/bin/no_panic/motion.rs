@@ -26,7 +26,7 @@ fn any_velocity() -> SignedSpeed {
 pub fn any_config() -> Option<AxisConfig> {
     Some(AxisConfig {
         clock: Clock::new(any())?,
-        segment: any(),
+        time_slice: any(),
         timing: any_timing(),
     })
 }

@@ -2,7 +2,7 @@
 
 use motion::{PulseSink, Record, Ticks};
 
-/// Records that are turned round before they are handed on: as many as a segment takes, as a rule.
+/// Records that are turned round before they are handed on: as many as a time slice takes, as a rule.
 const AT_ONCE: usize = 4;
 
 /// Pulses on their way to a motor that may turn the other way.

@@ -28,7 +28,7 @@ impl Emitter {
         }
     }
 
-    /// Commits the pulses of the next segments. Nothing is decided here.
+    /// Commits the pulses of the next time slices. Nothing is decided here.
     pub fn refill<S: PulseSink>(&mut self, pulses: &mut S) {
         let mut directed = Directed {
             pulses,

@@ -31,7 +31,7 @@ impl Station {
     pub(super) fn new() -> Self {
         let axis = AxisConfig {
             clock: Clock::new(1_000_000).unwrap(),
-            segment: 750,
+            time_slice: 750,
             timing: DriverTiming {
                 pulse_high: 2,
                 pulse_low: 2,

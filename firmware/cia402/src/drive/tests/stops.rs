@@ -15,7 +15,7 @@ fn cruising() -> Rig {
 
 #[test]
 fn m07_each_option_stops_on_its_ramp_and_ends_in_its_state() {
-    // 10000 steps/s: 500 steps on 6084h, 50 on 6085h; the two segments that are committed already come on top.
+    // 10000 steps/s: 500 steps on 6084h, 50 on 6085h; the two time slices that are committed already come on top.
     for (option, ramp, end) in [
         (1, 500, State::SwitchOnDisabled),
         (2, 50, State::SwitchOnDisabled),

@@ -26,7 +26,7 @@ fn averaged() -> (Axis, Replay) {
 
 /// Plays for so many milliseconds, and what is pending stays.
 pub(super) fn fly(axis: &mut Axis, sink: &mut Replay, milliseconds: u64) {
-    let quarter = u64::from(axis.stepper.segment() / 4);
+    let quarter = u64::from(axis.stepper.time_slice() / 4);
     for _ in 0..milliseconds * 16 {
         axis.advance(sink).unwrap();
         sink.account(axis);
@@ -45,7 +45,7 @@ fn seconds(v: &Smooth, window: Option<f64>) -> f64 {
     };
     axis.move_to(v.distance, limits).unwrap();
     if let Some(seconds) = window {
-        let window = Window::of((seconds * f64::from(HZ)) as u32, axis.stepper.segment());
+        let window = Window::of((seconds * f64::from(HZ)) as u32, axis.stepper.time_slice());
         let from = axis.plan.exact_at(0);
         axis.average.begin(window, 0, from);
     }
@@ -63,7 +63,7 @@ fn check(id: &str, chosen: f64) {
         .find(|v| v.name.starts_with(id))
         .unwrap();
     let window = f64::from(v.acceleration) / f64::from(v.jerk);
-    // The end is a sample later at most: a segment of 250 µs, or a 512th of the window if that is longer.
+    // The end is a sample later at most: a time slice of 250 µs, or a 512th of the window if that is longer.
     let late = |taken: f64, exact: f64, window: f64| {
         let late = (taken - exact) / (window / 512.0).max(1.0 / 4000.0);
         assert!((-0.001..1.01).contains(&late), "{id}: {late} samples late");
@@ -115,7 +115,7 @@ fn a_move_with_a_cruise_waits_for_the_harder_ramp_only() {
         assert_eq!(sink.position, distance);
         let late = sink.ticks - end;
         assert!(
-            late.abs_diff(ms(window)) <= u64::from(axis.stepper.segment()),
+            late.abs_diff(ms(window)) <= u64::from(axis.stepper.time_slice()),
             "{late} ticks behind the plan of {distance} steps"
         );
     }
@@ -132,7 +132,7 @@ fn the_window_is_chosen_at_rest_and_kept_until_then() {
     sink.follow(&axis);
     let end = axis.plan.end().unwrap();
     run(&mut axis, &mut sink);
-    assert!((sink.ticks - end).abs_diff(ms(100)) <= u64::from(axis.stepper.segment()));
+    assert!((sink.ticks - end).abs_diff(ms(100)) <= u64::from(axis.stepper.time_slice()));
     axis.move_to(0, T01).unwrap();
     let end = axis.plan.end().unwrap();
     sink.follow(&axis);
@@ -182,14 +182,14 @@ fn what_is_asked_of_the_axis_is_that_of_the_mean() {
     sink.follow(&axis);
     assert_eq!(axis.target(), 60_000);
     assert_eq!(axis.heading(), None);
-    let segment = u64::from(axis.stepper.segment());
+    let time_slice = u64::from(axis.stepper.time_slice());
     while !axis.is_at_rest() {
         axis.advance(&mut sink).unwrap();
         if axis.is_at_rest() {
             break;
         }
-        // Two segments ahead, as linear motions are.
-        assert!(sink.pending() <= 3 * segment + 100);
+        // Two time slices ahead, as linear motions are.
+        assert!(sink.pending() <= 3 * time_slice + 100);
         assert_eq!(axis.target(), 60_000);
         let there = sink.curves[0].state_at(axis.horizon());
         let speed = there.velocity.speed(axis.clock);
@@ -202,7 +202,7 @@ fn what_is_asked_of_the_axis_is_that_of_the_mean() {
         assert!((demand.position - played.position.whole_steps()).abs() <= 1);
         let off = demand.velocity.abs_diff(played.velocity.speed(axis.clock));
         assert!(off <= 70.into(), "{off:?}");
-        sink.play(segment / 4);
+        sink.play(time_slice / 4);
     }
     assert_eq!(axis.target(), 60_000);
 }
@@ -221,7 +221,7 @@ fn a_stop_in_a_cruise_is_felt_at_the_horizon() {
     let rest = axis.target();
     while axis.horizon() < horizon + ms(1) {
         axis.advance(&mut sink).unwrap();
-        sink.play(u64::from(axis.stepper.segment() / 4));
+        sink.play(u64::from(axis.stepper.time_slice() / 4));
     }
     // ½·j·t² with the jerk d / window, 0.83 steps/s in a millisecond.
     let lost = before.abs_diff(axis.committed_velocity());
@@ -267,7 +267,7 @@ fn stop_within_velocity(axis: &mut Axis, sink: &mut Replay, deceleration: u32) {
     while !axis.is_at_rest() {
         axis.advance(sink).unwrap();
         assert!(axis.committed_velocity().unsigned_abs() <= T01.velocity);
-        sink.play(u64::from(axis.stepper.segment()) / 4);
+        sink.play(u64::from(axis.stepper.time_slice()) / 4);
     }
 }
 
@@ -296,7 +296,7 @@ fn an_average_with_harder_ramps_is_left_at_their_jerk() {
     // In the midst of the ramp.
     while axis.committed_velocity().unsigned_abs() < Speed::per_second(90_000) {
         axis.advance(&mut sink).unwrap();
-        sink.play(u64::from(axis.stepper.segment()) / 4);
+        sink.play(u64::from(axis.stepper.time_slice()) / 4);
     }
     axis.set_ramps(Ramps::limited(JERK).unwrap_or(Ramps::SinSquared));
     stop_within_velocity(&mut axis, &mut sink, hard.deceleration);
@@ -314,7 +314,7 @@ fn a_linear_stop_leaves_the_average() {
     axis.stop(800_000).unwrap();
     sink.follow(&axis);
     run(&mut axis, &mut sink);
-    assert!(sink.ticks - horizon <= ms(100) + u64::from(axis.stepper.segment()));
+    assert!(sink.ticks - horizon <= ms(100) + u64::from(axis.stepper.time_slice()));
     // v² / 2d
     let distance = sink.position - there.position.whole_steps();
     assert!((distance - 4000).abs() <= 1, "{distance} steps");

@@ -26,7 +26,7 @@ pub(super) fn fly(axis: &mut Axis, sink: &mut Replay, ticks: u64) {
     while sink.ticks - sink.pending() < until && !axis.is_at_rest() {
         axis.advance(sink).unwrap();
         sink.account(axis);
-        sink.play(u64::from(axis.stepper.segment() / 2));
+        sink.play(u64::from(axis.stepper.time_slice() / 2));
     }
 }
 
@@ -63,9 +63,9 @@ fn a_move_begins_when_it_is_commanded() {
 }
 
 #[test]
-fn two_segments_are_committed_and_little_more() {
+fn two_time_slices_are_committed_and_little_more() {
     let (mut axis, mut sink) = axis(FAST);
-    let segment = u64::from(axis.stepper.segment());
+    let time_slice = u64::from(axis.stepper.time_slice());
     for velocity in [100_000, 10_000, 500] {
         command(
             &mut axis,
@@ -78,15 +78,15 @@ fn two_segments_are_committed_and_little_more() {
         );
         for _ in 0..400 {
             axis.advance(&mut sink).unwrap();
-            assert!(sink.pending() >= 2 * segment);
+            assert!(sink.pending() >= 2 * time_slice);
             assert!(
-                sink.pending() <= 3 * segment + 100,
+                sink.pending() <= 3 * time_slice + 100,
                 "{} pending",
                 sink.pending()
             );
             // A command now takes effect at the horizon: within 0.75 ms.
-            assert!(axis.horizon() - (sink.ticks - sink.pending()) <= 3 * segment + 100);
-            sink.play(segment / 4);
+            assert!(axis.horizon() - (sink.ticks - sink.pending()) <= 3 * time_slice + 100);
+            sink.play(time_slice / 4);
         }
     }
 }
@@ -104,7 +104,7 @@ fn r1_target_moved_behind_in_full_flight() {
         axis.advance(&mut sink).unwrap();
         sink.account(&axis);
         highest = highest.max(sink.position);
-        sink.play(axis.stepper.segment().into());
+        sink.play(axis.stepper.time_slice().into());
     }
     assert_eq!(sink.position, 20_000);
     assert!(
@@ -256,7 +256,7 @@ fn a_full_sink_loses_nothing() {
             Err(error) => panic!("{error}"),
         }
         sink.account(&axis);
-        sink.play(u64::from(axis.stepper.segment() / 8));
+        sink.play(u64::from(axis.stepper.time_slice() / 8));
     }
     assert!(refused > 10);
     assert_eq!((sink.position, sink.pulses), (5_000, 5_000));

@@ -51,7 +51,7 @@ fn steps(state: State) -> f64 {
     state.position.bits() as f64 / 2f64.powi(32)
 }
 
-/// A mean is a sample late at most, and a sample is a segment here.
+/// A mean is a sample late at most, and a sample is a time slice here.
 fn assert_end(form: Ramps, real: Ticks, wanted: f64) {
     let late = real as f64 - wanted;
     let most = if let Ramps::MovingAverage(_) = form {
@@ -196,7 +196,7 @@ fn check_ramp(id: &str) {
         let until = ticks(duration + 0.1) as Ticks;
         while axis.committed < until && !axis.is_at_rest() {
             axis.advance(&mut sink).unwrap();
-            sink.play(axis.stepper.segment().into());
+            sink.play(axis.stepper.time_slice().into());
         }
         if v.v1 == 0 {
             assert_end(form, axis.committed, ticks(duration));
@@ -278,7 +278,7 @@ fn r1_target_moved_behind_in_full_flight_with_each_form() {
             axis.advance(&mut sink).unwrap();
             sink.account(&axis);
             highest = highest.max(sink.position);
-            sink.play(axis.stepper.segment().into());
+            sink.play(axis.stepper.time_slice().into());
         }
         assert_eq!(sink.position, 20_000, "{form:?}");
         let (time, distance) = full_ramp(form);
@@ -319,13 +319,13 @@ fn r2_velocity_lowered_on_the_way_with_each_form() {
             ((0.15, 9_375.0), (0.05, 625.0))
         };
         let cruise = (100_000.0 - from - brake.1 - stop.1) / 25_000.0;
-        let slow = at + ticks(brake.0 + window) as Ticks + 2 * u64::from(axis.stepper.segment());
+        let slow = at + ticks(brake.0 + window) as Ticks + 2 * u64::from(axis.stepper.time_slice());
         while axis.committed < slow {
             let before = axis.committed_velocity();
             axis.advance(&mut sink).unwrap();
             let faster = axis.committed_velocity().bits() - before.bits();
             assert!(faster < 1 << 10, "{form:?}: it is {faster} faster");
-            sink.play(axis.stepper.segment().into());
+            sink.play(axis.stepper.time_slice().into());
         }
         assert_eq!(axis.committed_velocity().whole(), 25_000, "{form:?}");
         run(&mut axis, &mut sink);

@@ -38,7 +38,7 @@ impl Steady {
         self.last = end;
     }
 
-    /// At the end of a segment there are as many pulses as the time since the first one wants, however long ago that was.
+    /// At the end of a time slice there are as many pulses as the time since the first one wants, however long ago that was.
     fn account(&self) {
         let Some(first) = self.first else {
             return;
@@ -71,13 +71,13 @@ impl PulseSink for Steady {
 
 #[test]
 fn i11_hours_of_velocity_cross_the_span_without_a_jump() {
-    // Long segments, as there are many hours. In three of them the span is crossed more than twice.
-    let segment = HZ / 40;
+    // Long time slices, as there are many hours. In three of them the span is crossed more than twice.
+    let time_slice = HZ / 40;
     let velocity = 1_234_567;
     for sign in [1, -1] {
         let mut axis = Axis::new(AxisConfig {
             clock: Clock::new(HZ).unwrap(),
-            segment,
+            time_slice,
             timing: FAST,
         });
         // Two seconds before the end of the span.
@@ -105,7 +105,7 @@ fn i11_hours_of_velocity_cross_the_span_without_a_jump() {
             axis.advance(&mut sink).unwrap();
             assert_eq!(axis.committed_position(), i64::from(sink.position as i32));
             sink.account();
-            sink.pending = sink.pending.saturating_sub(segment.into());
+            sink.pending = sink.pending.saturating_sub(time_slice.into());
             sink.is_steady = sink.ticks > u64::from(HZ);
         }
         assert!(sink.position.abs_diff(begin) > 2 << 32);

@@ -143,7 +143,7 @@ proptest! {
         loop {
             // The horizon may lie at a pulse, which is rounded to a tick: behind the first that differs so all may come a little later.
             let late = one.horizon().abs_diff(other.horizon());
-            prop_assert!(late <= one.stepper.segment().into(), "{late} ticks apart at {}", one.horizon());
+            prop_assert!(late <= one.stepper.time_slice().into(), "{late} ticks apart at {}", one.horizon());
             is_late |= late != 0;
             if !is_late {
                 let (here, there) = (one.state_at(one.horizon()), other.state_at(other.horizon()));

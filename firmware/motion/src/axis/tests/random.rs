@@ -21,7 +21,7 @@ enum Command {
     /// Ramps for what comes from now on.
     Choose(Ramps),
     Abort,
-    /// Control ticks of a quarter segment each.
+    /// Control ticks of a quarter time slice each.
     Advance(u16),
     /// The sink plays all it has before the axis is asked again.
     Starve,
@@ -99,7 +99,7 @@ fn follow(axis: &mut Axis, sink: &mut Replay, reverse: bool, points: &[(i16, u16
         sink.follow(axis);
         while axis.horizon() < from {
             advance(axis, sink, true);
-            sink.play(u64::from(axis.stepper.segment() / 4));
+            sink.play(u64::from(axis.stepper.time_slice() / 4));
         }
     }
 }
@@ -108,10 +108,10 @@ fn follow(axis: &mut Axis, sink: &mut Replay, reverse: bool, points: &[(i16, u16
 /// period before eight pulses or more may be one of theirs if it is as long but for an eighth; and pulses, n in T ticks as two runs, stand
 /// n²/(4·T) away from their even places. What is left is roundings at the highest rate of the driver, where nothing is caught up.
 fn tolerance(axis: &Axis) -> f64 {
-    let segment = f64::from(axis.stepper.segment());
+    let time_slice = f64::from(axis.stepper.time_slice());
     let fastest = axis.max_velocity().whole().min(1_000_000);
-    let pulses = f64::from(fastest) * segment / f64::from(HZ);
-    0.5 + 0.25 + 0.125 + pulses.powi(2) / 4.0 / segment + 0.01
+    let pulses = f64::from(fastest) * time_slice / f64::from(HZ);
+    0.5 + 0.25 + 0.125 + pulses.powi(2) / 4.0 / time_slice + 0.01
 }
 
 fn play(ramps: Ramps, commands: &[Command], timing: crate::DriverTiming, capacity: usize) {
@@ -119,7 +119,7 @@ fn play(ramps: Ramps, commands: &[Command], timing: crate::DriverTiming, capacit
     sink.capacity = capacity;
     // A small sink delays commands, never pulses of the stream, so the plan is followed all the same.
     sink.tolerance = tolerance(&axis);
-    let quarter = u64::from(axis.stepper.segment() / 4);
+    let quarter = u64::from(axis.stepper.time_slice() / 4);
     let mut starved = false;
     axis.set_ramps(ramps);
     for command in commands {

@@ -60,7 +60,7 @@ impl Curve {
 #[derive(Debug)]
 pub(super) struct Replay {
     timing: DriverTiming,
-    segment: u64,
+    time_slice: u64,
     pub(super) capacity: usize,
     ring: VecDeque<Record>,
     /// Ticks of the front record that are played.
@@ -84,10 +84,10 @@ pub(super) struct Replay {
 }
 
 impl Replay {
-    pub(super) fn new(timing: DriverTiming, segment: u64) -> Self {
+    pub(super) fn new(timing: DriverTiming, time_slice: u64) -> Self {
         Self {
             timing,
-            segment,
+            time_slice,
             capacity: 256,
             ring: VecDeque::new(),
             played: 0,
@@ -152,8 +152,8 @@ impl Replay {
         // A run may begin with the last pulse before its chord, and one of a velocity that stays end with the first behind it.
         let period = u64::from(record.period);
         assert!(
-            period <= self.segment && record.ticks() <= self.segment + 2 * period,
-            "{record:?} is longer than a segment"
+            period <= self.time_slice && record.ticks() <= self.time_slice + 2 * period,
+            "{record:?} is longer than a time slice"
         );
         let silent = record.width == 0;
         assert!(

@@ -42,10 +42,10 @@ impl PulseSink for Ticker {
     }
 }
 
-fn slow_axis(segment: u32) -> Axis {
+fn slow_axis(time_slice: u32) -> Axis {
     Axis::new(AxisConfig {
         clock: Clock::new(HZ).unwrap(),
-        segment,
+        time_slice,
         timing: FAST,
     })
 }
@@ -60,10 +60,10 @@ fn limits(velocity: Speed, acceleration: u32) -> Limits {
 
 /// Advances until so many pulses are there.
 fn play(axis: &mut Axis, sink: &mut Ticker, pulses: usize) {
-    let segment = Ticks::from(axis.stepper.segment());
+    let time_slice = Ticks::from(axis.stepper.time_slice());
     while sink.pulses.len() < pulses {
         axis.advance(sink).unwrap();
-        sink.pending = sink.pending.saturating_sub(segment);
+        sink.pending = sink.pending.saturating_sub(time_slice);
     }
 }
 
@@ -81,7 +81,7 @@ fn due(step: u64, velocity: Speed, acceleration: u32) -> Ticks {
 
 #[test]
 fn a_step_in_an_hour_comes_every_hour() {
-    // Long segments, as there are many hours.
+    // Long time slices, as there are many hours.
     let mut axis = slow_axis(HZ / 40);
     let mut sink = Ticker::default();
     axis.ramp_to(HOURLY.signed(false), limits(HOURLY, 1))
@@ -99,7 +99,7 @@ fn a_step_in_an_hour_comes_every_hour() {
 }
 
 #[test]
-fn a_step_in_an_hour_is_at_its_tick_with_segments_of_a_quarter_of_a_millisecond() {
+fn a_step_in_an_hour_is_at_its_tick_with_time_slices_of_a_quarter_of_a_millisecond() {
     // Three seconds of the distance lie in front of the first pulse.
     let clock = Clock::new(HZ).unwrap();
     for sign in [1, -1] {
@@ -167,7 +167,7 @@ fn a_halt_within_the_gap_of_an_hour_is_felt_at_once() {
     for _ in 0..4_000 {
         axis.advance(&mut sink).unwrap();
         sink.pending = sink.pending.saturating_sub((HZ / 4000).into());
-        // Two segments ahead, and not the whole gap.
+        // Two time slices ahead, and not the whole gap.
         assert!(sink.pending <= u64::from(HZ / 4000 * 3), "{sink:?}");
     }
     assert!(!axis.is_at_rest());
@@ -190,7 +190,7 @@ proptest! {
         bits in prop_oneof![
             HOURLY.bits()..HOURLY.bits() * 10,
             1u64 << 22..1 << 32,
-            // Four in a segment: of many, those in the middle are off by some ticks.
+            // Four in a time slice: of many, those in the middle are off by some ticks.
             1u64 << 32..1 << 36,
         ],
         acceleration in prop_oneof![1u32..10, 1u32..1_000_000],

@@ -100,7 +100,7 @@ fn a_target_is_as_far_as_its_number_says_where_the_plan_has_wrapped() {
                         );
                     }
                 }
-                sink.play(u64::from(axis.stepper.segment() / 4));
+                sink.play(u64::from(axis.stepper.time_slice() / 4));
             }
             assert!(apart > 0, "{ramps:?}, {forward}");
         }

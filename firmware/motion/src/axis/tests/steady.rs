@@ -9,13 +9,13 @@ const VELOCITIES: [u32; 20] = [
     500_000, 654_321, 999_000, 1_000_000, 1_234_567, 3_027_027, 4_869_565,
 ];
 
-/// In a segment there are one or two runs, and where pulses are as far apart as that, a silence more; where they are crowded, three.
+/// In a time slice there are one or two runs, and where pulses are as far apart as that, a silence more; where they are crowded, three.
 #[test]
 fn a_velocity_that_stays_takes_few_records_and_each_pulse_is_at_its_tick() {
     for velocity in VELOCITIES {
         for sign in [1, -1] {
             let (mut axis, mut sink) = axis(FAST);
-            let segment = u64::from(axis.stepper.segment());
+            let time_slice = u64::from(axis.stepper.time_slice());
             let limits = Limits {
                 velocity: velocity.into(),
                 acceleration: velocity * 50,
@@ -29,7 +29,7 @@ fn a_velocity_that_stays_takes_few_records_and_each_pulse_is_at_its_tick() {
             // Half a step is what a step is wide. Evenly spaced with the last period of the stretch before, pulses are off by a sixteenth or by
             // n² / 8T; above 1 MHz by a microsecond.
             let pulses = f64::from(velocity) / f64::from(HZ);
-            let stretch = segment as f64 + 1.0 / pulses;
+            let stretch = time_slice as f64 + 1.0 / pulses;
             let off = if velocity > 1_000_000 {
                 pulses * 168.0
             } else {
@@ -45,7 +45,7 @@ fn a_velocity_that_stays_takes_few_records_and_each_pulse_is_at_its_tick() {
                 }
                 axis.advance(&mut sink).unwrap();
                 sink.account(&axis);
-                sink.play(segment);
+                sink.play(time_slice);
             }
             let records = sink.records - before;
             let most = match velocity {
@@ -57,7 +57,7 @@ fn a_velocity_that_stays_takes_few_records_and_each_pulse_is_at_its_tick() {
                 "{velocity}: {records} records, {} steps off",
                 sink.worst
             );
-            assert!(sink.pending() <= 2 * segment);
+            assert!(sink.pending() <= 2 * time_slice);
         }
     }
 }
@@ -68,7 +68,7 @@ fn a_refill_right_behind_another_costs_no_rate() {
     for velocity in [2_100_000, 3_333_333, 4_444_444, 4_900_000, 4_941_176] {
         for behind in [0, 1, 20, 34, 50, 68, 84, 100, 130, 168, 200] {
             let (mut axis, mut sink) = axis(FAST);
-            let segment = u64::from(axis.stepper.segment());
+            let time_slice = u64::from(axis.stepper.time_slice());
             let limits = Limits {
                 velocity: velocity.into(),
                 acceleration: velocity * 20,
@@ -87,7 +87,7 @@ fn a_refill_right_behind_another_costs_no_rate() {
                 sink.play(behind);
                 axis.advance(&mut sink).unwrap();
                 sink.account(&axis);
-                sink.play(segment - behind);
+                sink.play(time_slice - behind);
             }
             let (ticks, pulses) = (sink.ticks - before.0, sink.pulses - before.1);
             let due = u128::from(ticks) * u128::from(velocity) / u128::from(HZ);

@@ -5,8 +5,8 @@ use crate::axis::{Axis, AxisConfig};
 use crate::vectors::a_move;
 use crate::{Clock, DriverTiming, Limits, Plan, Position, State, Velocity};
 
-/// Plays the train of a vector. `segment` in microseconds: long moves are played in long segments to save time.
-fn play(id: &str, hz: u32, segment: u32) {
+/// Plays the train of a vector. `time slice` in microseconds: long moves are played in long time slices to save time.
+fn play(id: &str, hz: u32, time_slice: u32) {
     let v = a_move(id);
     let clock = Clock::new(hz).unwrap();
     let timing = DriverTiming {
@@ -17,10 +17,10 @@ fn play(id: &str, hz: u32, segment: u32) {
     };
     let mut axis = Axis::new(AxisConfig {
         clock,
-        segment: hz / 1_000_000 * segment,
+        time_slice: hz / 1_000_000 * time_slice,
         timing,
     });
-    let mut sink = Replay::new(timing, axis.stepper.segment().into());
+    let mut sink = Replay::new(timing, axis.stepper.time_slice().into());
     sink.sparse = v.distance > 1_000_000_000;
     sink.capacity = 4096;
     if v.velocity > 1_000_000 {
@@ -70,8 +70,8 @@ fn play(id: &str, hz: u32, segment: u32) {
 }
 
 macro_rules! trains {
-    ($($name:ident = $id:literal, [$($hz:literal),*], $segment:literal us; )*) => {
-        $(#[test] fn $name() { $(play($id, $hz, $segment);)* })*
+    ($($name:ident = $id:literal, [$($hz:literal),*], $time_slice:literal us; )*) => {
+        $(#[test] fn $name() { $(play($id, $hz, $time_slice);)* })*
     };
 }
 

@@ -89,7 +89,7 @@ fn least_margin(velocity: u32, acceleration: u32, target: i64) -> u64 {
     let mut bench = Bench::with(0, timing);
     let mut axis = Axis::new(AxisConfig {
         clock: Clock::new(HZ).unwrap(),
-        segment: TICK,
+        time_slice: TICK,
         timing,
     });
     let limits = Limits {
@@ -142,7 +142,7 @@ fn a_move_of_any_speed_never_runs_dry() {
     ] {
         let least = least_margin(velocity, acceleration, target);
         std::println!("{velocity} steps/s, {acceleration} steps/s², to {target}: {least} ticks");
-        // Two segments, less a control tick and its delay.
+        // Two time slices, less a control tick and its delay.
         assert!(least >= 82_000, "{velocity} steps/s: {least} ticks left");
     }
 }
