@@ -1,18 +1,18 @@
-//! What may be written when, beside the rules of each object.
+//! When objects may be written, beside the rules of each object.
 //!
-//! - Parameters that the table locks ([`crate::rules::lock`]), and [`LOCKED_WHILE_POWERED`]: objects that must not change while the power
-//!   stage is on. 08000022h.
-//! - A password, for products that want one (5FF1h): while it is set and has not been given, objects of the manufacturer (2000h to
-//!   5FFFh) cannot be written. 08000022h. It guards against mistakes, not against attackers: a master that restores the parameters
-//!   (1011h) takes it away, and so does a factory reset.
-//! - [`PRODUCTION_ONLY`]: objects that production writes. They take "prod" at 5FF1h:1 first, and nothing but that: it opens no other
-//!   object. It counts until the serial number is stored or the node is reset, and only while the device has none of its own. 08000022h.
+//! A write that is not allowed now gets the abort code 08000022h:
+//!
+//! - While the power stage is on (or the motor moves): parameters with a lock ([`crate::rules::lock`]), and [`LOCKED_WHILE_POWERED`].
+//! - While a password is set (5FF1h) and the master has not given it: objects of the manufacturer, 2000h to 5FFFh. The password
+//!   guards against mistakes, not against attackers: 1011h and a factory reset delete it.
+//! - Outside of production mode: [`PRODUCTION_ONLY`]. "prod" in 5FF1h:1 begins that mode, as long as the device has no serial number.
+//!   It ends when the serial number is stored or the node is reset, and opens no other object.
 //!
 //! | object | |
 //! |---|---|
-//! | 5FF1h:1 | the password is given here, or "prod". A wrong one locks again, is answered with 06090030h, and for a second no other is taken: 08000022h |
+//! | 5FF1h:1 | the master writes the password here, or "prod". A wrong one locks again (06090030h); for a second after it none is accepted (08000022h) |
 //! | 5FF1h:2 | a new password, stored with the parameters; 0 for none |
-//! | 5FF1h:3 | access: 0 there is no password, 1 locked, 2 open, 3 production |
+//! | 5FF1h:3 | access: 0 no password, 1 locked, 2 open, 3 production mode |
 //!
 //! A dictionary without these objects has no password and no production mode.
 
@@ -37,8 +37,8 @@ const GIVEN: u8 = 1;
 const NEW: u8 = 2;
 const ACCESS: u8 = 3;
 
-/// Objects that must not change while the power stage is on, and are no parameters: ratings, what the motor is, and what takes the flash to be
-/// stored.
+/// Objects that are no parameters and must not change while the power stage is on: ratings, motor data, and settings that are written to
+/// flash at once.
 pub const LOCKED_WHILE_POWERED: [RangeInclusive<u16>; 6] = [
     NETWORK..=NETWORK,
     PRODUCTION..=PRODUCTION,
@@ -54,30 +54,30 @@ pub const PRODUCTION_ONLY: [u16; 1] = [PRODUCTION];
 /// Objects that a password guards.
 const GUARDED: RangeInclusive<u16> = 0x2000..=0x5FFF;
 
-/// Written to 5FF1h:1 it opens what production writes.
+/// Written to 5FF1h:1, it begins production mode.
 const PRODUCTION_MODE: u32 = u32::from_le_bytes(*b"prod");
 
-/// How long no password is taken after a wrong one.
+/// How long after a wrong password none is accepted.
 const PENALTY: Duration = Duration::from_ticks(1_000_000);
 
-/// Who has given what, and how the drive is.
+/// The locks, and the state of the drive on which they depend.
 #[derive(Debug, Default)]
 pub(crate) struct Protection {
     powered: bool,
     moving: bool,
-    /// What was stored is being loaded: what once passed the rules is put back.
+    /// Stored parameters are being loaded. They passed the rules when they were written.
     loading: bool,
     open: bool,
     production: bool,
     now: Option<Instant>,
-    /// 5FF1h:3 is not what it should be.
+    /// 5FF1h:3 is out of date.
     is_stale: bool,
-    /// No password is taken before.
+    /// No password is accepted before this moment.
     penalty_until: Option<Instant>,
 }
 
 impl Protection {
-    /// A frame comes at this moment.
+    /// Notes the state of the drive before a frame is served.
     pub(crate) fn prepare(&mut self, powered: bool, moving: bool, now: Instant) {
         self.powered = powered;
         self.moving = moving;
@@ -85,7 +85,7 @@ impl Protection {
         self.now = Some(now);
     }
 
-    /// What was stored will be loaded.
+    /// Stored parameters are loaded from now on, until the next [`Protection::prepare`].
     pub(crate) fn load(&mut self) {
         self.loading = true;
     }
@@ -111,7 +111,7 @@ impl Protection {
             return Err(AbortCode::DeviceState);
         }
         if PRODUCTION_ONLY.contains(&index) {
-            // The password of the product is not for production to know.
+            // Production need not know the password of the product.
             return if self.production {
                 Ok(())
             } else {
@@ -127,7 +127,7 @@ impl Protection {
         Ok(())
     }
 
-    /// A wrong password passes here as well: it has an effect, and [`Protection::written`] tells of it.
+    /// Checks a password. [`Protection::count_refusal`] sees what a wrong one sets off.
     fn check_given<D: Dictionary>(&self, dictionary: &D, value: &[u8]) -> Result<(), AbortCode> {
         let is_penalty = match (self.now, self.penalty_until) {
             (Some(now), Some(until)) => now < until,
@@ -146,7 +146,7 @@ impl Protection {
         }
     }
 
-    /// Whether parameters are being loaded, which nobody writes.
+    /// Whether stored parameters are being loaded, so that no master writes.
     pub(crate) const fn is_loading(&self) -> bool {
         self.loading
     }
@@ -156,7 +156,7 @@ impl Protection {
         self.powered
     }
 
-    /// What [`Protection::check`] refused was written to this object: a wrong password counts.
+    /// [`Protection::check`] refused a write of this object. A wrong password locks again, and begins the time without another try.
     pub(crate) fn count_refusal(&mut self, entry: &Entry, code: AbortCode) {
         if entry.index == PASSWORD && entry.sub == GIVEN && code == AbortCode::InvalidValue {
             self.open = false;
@@ -171,12 +171,12 @@ impl Protection {
         if entry.index == PASSWORD && !self.loading {
             if entry.sub == GIVEN {
                 let given = od::read_u32(dictionary, PASSWORD, GIVEN).unwrap_or(0);
-                // Each opens its own and leaves the other as it is.
+                // The password and "prod" each open their own objects.
                 self.production |= given == PRODUCTION_MODE && has_no_serial_number(dictionary);
                 self.open |= is_password(dictionary, given);
                 od::write_u32(dictionary, PASSWORD, GIVEN, 0);
             } else if entry.sub == NEW {
-                // Whoever has set it knows it.
+                // The master that has set the password knows it.
                 self.open = true;
             }
         }
@@ -190,14 +190,14 @@ impl Protection {
         self.is_stale
     }
 
-    /// Shows what a refused write has changed.
+    /// Shows the access again if a refused write has changed it.
     pub(crate) fn serve<D: Dictionary>(&mut self, dictionary: &mut D) {
         if core::mem::take(&mut self.is_stale) {
             self.show(dictionary);
         }
     }
 
-    /// Production has done its work.
+    /// Ends production mode.
     pub(crate) fn end_production<D: Dictionary>(&mut self, dictionary: &mut D) {
         self.production = false;
         self.show(dictionary);
@@ -245,7 +245,7 @@ fn is_password<D: Dictionary>(dictionary: &D, given: u32) -> bool {
     given != 0 && given == password(dictionary)
 }
 
-/// Production has not written the serial number yet, and there is a place for it.
+/// Whether there is an object for the serial number, and production has not written it yet.
 fn has_no_serial_number<D: Dictionary>(dictionary: &D) -> bool {
     od::read_u32(dictionary, PRODUCTION, 1) == Some(0)
 }

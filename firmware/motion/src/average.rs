@@ -32,7 +32,7 @@ const MOST: u64 = u64::MAX >> 1;
 /// The most samples taken of a parabola before the plan is evaluated again.
 const MOST_SAMPLED: u32 = 1 << 16;
 
-/// Where the mean is, and what it is made of.
+/// The mean of a plan: its state, and the samples that it is made of.
 ///
 /// The fields lie in memory in this order, as in [`Axis`](crate::Axis): what is large last, so that one instruction reaches each.
 #[derive(Debug, Clone)]
@@ -45,8 +45,8 @@ pub(crate) struct Average {
     per_count: u64,
     /// The index of the oldest sample in the ring.
     place: u32,
-    /// Samples of the time before the first one in the ring, at a constant velocity: how many are left, the next one, and the distance
-    /// from one to the next.
+    /// Samples from before the ring's first one, at a constant velocity: how many of them are still in the window, the next one, and the
+    /// distance from one to the next.
     before: u32,
     old: i64,
     stride: i64,
@@ -54,10 +54,10 @@ pub(crate) struct Average {
     window_distance: i64,
     /// The remainder of the mean's position, in units of 2⁻³² steps / (2·count).
     left: i32,
-    /// Where the plan was looked at last, and how it goes on.
+    /// The last sample of the plan, and how the next ones follow.
     sampler: Sampler,
-    /// For how many intervals of the grid the plan will have kept `line_velocity`, Q96 steps per tick, or stood, at the end of the
-    /// sampler's parabola.
+    /// For how many intervals of the grid the plan has kept `line_velocity` (Q96 steps per tick), or stood, when the sampler's parabola
+    /// ends.
     straight: u32,
     line_velocity: i128,
     stands: bool,
@@ -82,7 +82,7 @@ pub(crate) struct Average {
 struct Sampler {
     /// Samples that are left.
     left: u32,
-    /// More by half of what a sample can tell.
+    /// The position, with half a unit of a sample added to round it.
     position: i128,
     /// What the position grows by in the next interval, and what that grows by.
     distance: i128,
@@ -98,7 +98,7 @@ impl Sampler {
         growth: 0,
     };
 
-    /// Where it has come to, Q32 steps to the nearest.
+    /// The sample: Q32 steps, to the nearest.
     #[inline]
     const fn sample(&self) -> i64 {
         (self.position >> 64) as i64
@@ -138,7 +138,7 @@ impl Average {
         }
     }
 
-    /// Where the plan is for a mean that is at `mean` and has kept its velocity so far.
+    /// Where the plan is ahead, if the mean is at `mean` and has kept its velocity for a window.
     pub(crate) fn ahead(window: Window, mean: Exact) -> Exact {
         let distance = mean.velocity.wrapping_mul(window.ticks().into());
         Exact {
@@ -159,12 +159,12 @@ impl Average {
         self.fresh = Some(mean);
     }
 
-    /// Where it was when it began, exactly, if it has not gone on from there: another window may take the place of the one it has.
+    /// The exact state in which the mean began, as long as it has not advanced: until then its window may be replaced.
     pub(crate) const fn fresh(&self) -> Option<Exact> {
         self.fresh
     }
 
-    /// The same with the window that there is.
+    /// Begins again with the present window, where the plan is at `state` and has kept its velocity for a window.
     fn anchor(&mut self, at: Ticks, state: Exact) {
         let count = i64::from(self.window.count);
         let newest = sample(state.position);
@@ -210,7 +210,7 @@ impl Average {
         }
     }
 
-    /// The tick at which the plan may be changed, if the mean is at `horizon`: up to there it has been looked at.
+    /// The first tick at which the plan may still change, if the mean is at `horizon`: up to there it has been sampled.
     pub(crate) const fn junction(&self, horizon: Ticks) -> Ticks {
         if self.line.is_some() {
             horizon
@@ -240,13 +240,13 @@ impl Average {
         self.straight.saturating_sub(self.sampler.left)
     }
 
-    /// Whether it has all over the window.
+    /// Whether it has kept it for the whole window.
     fn is_straight(&self) -> bool {
         self.straight() >= self.window.count.into()
     }
 
-    /// How the mean goes on from tick `t`, which is not before the curve that it is on: up to the next sample, where it is a parabola, or as long as it
-    /// is a line.
+    /// The mean from tick `t` on, which is not before its present curve: a parabola up to the next sample, or a line for as long as the
+    /// plan's is one.
     pub(crate) fn polynomial_at(&mut self, plan: &Plan, t: Ticks) -> Polynomial {
         if self.until <= t {
             self.fresh = None;
@@ -301,7 +301,7 @@ impl Average {
         }
     }
 
-    /// Goes on to the next sample, where the plan is the parabola that it was.
+    /// Advances to the next sample of the same parabola.
     #[inline]
     fn step(&mut self) {
         let sampler = &mut self.sampler;
@@ -325,7 +325,7 @@ impl Average {
         self.take();
         self.since = self.window.grid;
         if self.is_over() {
-            // But for what was left over it is there.
+            // It is there, but for the remainder.
             self.to.position = Position::from_bits(self.sampler.sample());
             self.left = 0;
         }
@@ -355,7 +355,7 @@ impl Average {
         true
     }
 
-    /// Goes to the mean with the sample that the sampler has come to.
+    /// Takes the sampler's present sample into the mean.
     #[inline(never)]
     fn take(&mut self) {
         let newest = self.sampler.sample();
@@ -393,11 +393,11 @@ impl Average {
         self.until = self.until.saturating_add(self.window.grid.into());
     }
 
-    /// Looks at the plan an interval behind tick `at`, whether it has kept its velocity since then, and how far the sampler may go.
+    /// Samples the plan one interval after tick `at`: whether it has kept its velocity since, and how many samples its parabola has.
     fn look(&mut self, plan: &Plan, at: Ticks) {
         let straight = self.straight();
         let next = at.saturating_add(self.window.grid.into());
-        // Worked out once for all that is asked of it.
+        // Evaluated once for all uses below.
         let phase = plan.phase_at(next);
         let ahead = match &phase {
             Some(phase) => phase.at(next),
@@ -431,7 +431,7 @@ impl Average {
         let (intervals, _) = div_rem(before, grid);
         let mut left = low::u32(intervals.min(MOST_SAMPLED.into()));
         if growth == 0 {
-            // When it has kept its velocity all over the window that must be seen.
+            // The sampler stops where the plan will have kept its velocity for the whole window: from there its line is followed.
             let count = u32::from(self.window.count) - 1;
             left = left.min(count.saturating_sub(self.straight));
             self.straight = self.straight.saturating_add(left);

@@ -1,17 +1,17 @@
 //! The rules of the drive objects: what may be written to them, and what a write sets off.
 //!
-//! The drive's parameters are written by SDO or by receive PDOs, in objects 6000h to 67FFh or in others that are bound to
-//! them. The dictionary checks access, length and limits; the values that CiA 402-2 leaves out are refused here: a mode that
-//! 6502h does not have, a quick stop option code of a reaction this drive has not, an acceleration of 0.
+//! A master writes the drive's parameters by SDO or by receive PDOs, in objects 6000h to 67FFh or in others that are bound to
+//! them. The dictionary checks access, length and limits. The hooks refuse the values that CiA 402-2 leaves out: a mode that
+//! 6502h does not list, a quick stop option code that the drive does not support, an acceleration of 0.
 //!
 //! The contract:
-//! - A refused write changes nothing; by SDO it is answered with an abort code.
-//! - Every write of a drive object makes the next [`Commands`]. They carry all values at once, so a tick never sees
+//! - A refused write changes nothing; an SDO gets an abort code.
+//! - Every write of a drive object leads to new [`Commands`]. They carry all values at once, so a tick never sees
 //!   half of a receive PDO.
-//! - The controlword is followed write by write: bits that rose and commands to stop between two sets of commands are in the
-//!   later one, even if the last write took them back. They are given once.
-//! - What the drive allows is put to the application of the firmware behind it, which has the last word; and streamed objects are
-//!   the application's alone.
+//! - The controlword is followed write by write. Bits that rose and commands to stop since the last commands are in the next
+//!   ones, even if a later write took them back. They are passed on once.
+//! - A write that the drive allows goes to the application of the firmware next, which may still refuse it. Streamed objects
+//!   belong to the application alone.
 //! - The serial number 1018h:4 is filled in at every start, before a master can read it.
 
 use canopen::cia301::sdo::{AbortCode, Completion};
@@ -39,22 +39,22 @@ pub(crate) const SDO_TIME_OUT: u16 = 0x5FF3;
 const STORE_EDS: u16 = 0x1021;
 const IDENTITY: u16 = 0x1018;
 const SERIAL_NUMBER: u8 = 4;
-/// What the network is to the drive.
+/// What the drive knows of the network.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Network {
     /// It commands the drive.
     Remote,
     /// It was lost: 6007h says what follows, and if that is a fault, it has this error code.
     Lost(u16),
-    /// The device stops the drive before it boots.
+    /// The device boots anew, and stops the drive first.
     Resetting {
-        /// The drive starts anew as well.
+        /// The drive restarts as well.
         restart: bool,
     },
 }
 
-/// The application of the node: it watches the drive objects, and hands everything on to the module `B` of the product and the application `A` of
-/// the firmware.
+/// The application of the node. It handles the drive objects, and passes every call on to the module `B` of the product and to the
+/// application `A` of the firmware.
 #[derive(Debug)]
 pub(crate) struct Hooks<A, B> {
     pub(crate) application: A,
@@ -77,11 +77,11 @@ pub(crate) struct Hooks<A, B> {
     pub(crate) scope: ScopeObjects,
     /// The serial number of production; 0 for none.
     produced: u32,
-    /// Set-points of the cyclic modes that were written since the last sync event: 607Ah, 60FFh, 6071h.
+    /// Which set-points of the cyclic modes were written since the last sync event: 607Ah, 60FFh, 6071h.
     fresh: (bool, bool, bool),
-    /// A data record 60C1h:1 that was written.
+    /// The data record 60C1h:1, if one was written since it was taken last.
     record: Option<i32>,
-    /// 60C2h was written, or something else than its default is stored.
+    /// 60C2h was written, or loaded with a value that is not its default.
     has_period: bool,
 }
 
@@ -109,7 +109,7 @@ impl<A, B: Behaviour> Hooks<A, B> {
         }
     }
 
-    /// Production has given this serial number.
+    /// Sets the serial number that production has written, if there is one.
     pub(crate) fn set_serial_number(&mut self, serial_number: Option<u32>) {
         if let Some(number) = serial_number {
             self.serial_number = number;
@@ -157,7 +157,7 @@ impl<A, B: Behaviour> Hooks<A, B> {
         self.has_period
     }
 
-    /// Parameters were loaded. A 60C2h that is the default does not count as written, as all parameters are stored.
+    /// Notes that parameters were loaded. All parameters are stored, so 60C2h counts as written only if it differs from its default.
     pub(crate) fn note_load<D: Objects>(&mut self, dictionary: &D) {
         let period = CyclicConfiguration::of(dictionary).period;
         self.has_period = period != CyclicConfiguration::NONE.period;
@@ -180,7 +180,7 @@ impl<A, B: Behaviour> Hooks<A, B> {
         self.record.take()
     }
 
-    /// A sync event came at `at`: the set-points that hold at it.
+    /// The sync event at `at`, with the set-points written since the one before. They count for one event.
     pub(crate) fn sync_event<D: Objects>(
         &mut self,
         dictionary: &D,
@@ -207,13 +207,13 @@ impl<A, B: Behaviour> Hooks<A, B> {
         }
     }
 
-    /// The units that the master counts in from now on.
+    /// Sets the units in which the master counts.
     pub(crate) const fn set_units(&mut self, units: Units) {
         self.units = units;
     }
 
-    /// What the drive objects ask of the drive. What has passed in the controlword is given once. Velocities and accelerations become
-    /// increments here.
+    /// The commands in the drive objects. Edges of the controlword are passed on once. Velocities and accelerations are converted to
+    /// increments.
     pub(crate) fn commands<D: Behaves>(&mut self, dictionary: &D, network: Network) -> Commands {
         let units = self.units.of_drive::<D>();
         let passed = self.history.take();
@@ -260,8 +260,8 @@ impl<A, B: Behaviour> Hooks<A, B> {
 }
 
 impl<A, B> Hooks<A, B> {
-    /// Whether node-ID or bit rate may get a value, wherever they are objects: as 5FF0h not while the power stage is on, and whatever a load of the
-    /// parameters brings, which is not taken.
+    /// Whether an object that sets node-ID or bit rate may be written. Like 5FF0h, not while the power stage is on. A value that is
+    /// loaded with the parameters is accepted, and ignored.
     fn check_setting<D: Behaves>(&self, entry: &Entry, value: &[u8]) -> Result<(), AbortCode> {
         if !D::DRIVE_HABITS.network.are_own() && setting::<D>(entry).is_some() {
             if self.protection.is_loading() {
@@ -338,7 +338,7 @@ impl<D: Behaves, A: Application<D>> Application<D> for Hooks<A, D::Behaviour> {
             self.protection.written(dictionary, entry);
             self.commissioning.written(dictionary, entry);
         }
-        // What is loaded is older than what is stored as a setting.
+        // The stored setting is newer than a value that is loaded with the parameters.
         let is_elsewhere = !D::DRIVE_HABITS.network.are_own() && setting::<D>(entry).is_some();
         if is_elsewhere && !self.protection.is_loading() {
             self.commissioning.written(dictionary, entry);
@@ -395,7 +395,7 @@ impl<D: Behaves, A: Application<D>> Application<D> for Hooks<A, D::Behaviour> {
         entry: &Entry,
         size: Option<u32>,
     ) -> Result<(), AbortCode> {
-        // Its bytes come later, and no rule asks for them.
+        // The bytes come later; no rule depends on them.
         self.protection.check(dictionary, entry, None, &[])?;
         self.application.begin_write(dictionary, entry, size)
     }
@@ -424,7 +424,7 @@ impl<D: Behaves, A: Application<D>> Application<D> for Hooks<A, D::Behaviour> {
     }
 
     fn power_on(&mut self, dictionary: &mut D) {
-        // Power-on values hold the serial number 0 of the data sheet. A dictionary without 1018h:4 has no place for it.
+        // The data sheet has 0 for the serial number. A dictionary without 1018h:4 does not take it.
         let _ = write_u32(dictionary, IDENTITY, SERIAL_NUMBER, self.serial_number);
         let (index, sub) = D::DRIVE_HABITS.network.serial_number;
         if index != 0 {

@@ -1,21 +1,21 @@
 //! Touch probes 1 and 2 of CiA 402-2: objects 60B8h to 60BDh and 60D0h to 60D8h.
 //!
-//! A probe keeps the position at which an edge of its source came. 60B8h switches it on (bit 0; bit 8 for probe 2) and says which edges are sampled
-//! (bit 4 positive, bit 5 negative), and whether each one is (bit 1) or the first alone. The source is its input (bits 3 and 2 = 00), the index
-//! pulse (01), or what 60D0h names (10).
+//! A probe stores the position of an edge of its source. 60B8h has a byte for each probe: bit 0 switches it on, bit 4 samples positive
+//! edges, bit 5 negative ones, bit 1 stores every edge and not only the first. Bits 3 and 2 choose the source: the input of the probe (00), the
+//! index pulse (01), or the source in 60D0h (10).
 //!
 //! The contract:
-//! - A position is that of the pulse count at the edge, as it was captured, not that of the control tick that sees it: exact to the
-//!   increment at any speed. Its time is that of the edge.
-//! - Only edges count that come after the tick that switched the probe on, so none of a former motion.
-//! - Switched off and on again, even between two ticks, a probe starts anew: the bits of 60B9h are 0. So it does when its source changes, or
-//!   whether an input of it is inverted (2032h); an edge that is no longer sampled starts anew alone. Positions and times keep their last values.
-//! - Every edge that is sampled counts in 60D5h to 60D8h, whether or not it is kept.
-//! - An input with a change that was not captured (a board that cannot) counts as an edge in the tick that sees it.
-//! - With a filter (2033h:1, in nanoseconds, where a data sheet has it) an edge counts whose level lasts so long; it is known a tick later if need be.
-//! - A source that no input has leaves the probe off: bit 0 (8) of 60B9h stays 0.
+//! - Position and time are captured at the edge, not in the control tick that sees it: exact to the increment at any speed.
+//! - A probe ignores edges before the tick that switched it on, so none of an earlier motion counts.
+//! - A probe that is switched off and on again, even between two ticks, starts anew: its bits of 60B9h are 0. It also does when its source
+//!   or the polarity of its input (2032h) changes. If only one kind of edge is no longer sampled, only that one starts anew. Positions and times
+//!   keep their last values.
+//! - 60D5h to 60D8h count every sampled edge, whether or not it is stored.
+//! - If the board cannot capture an input, a change of its level counts as an edge in the tick that sees it.
+//! - With a filter (2033h:1, in nanoseconds, where a data sheet has it) an edge counts if its level lasts that long; a tick may pass until that is known.
+//! - If no input has the chosen source, the probe stays off: bit 0 (8) of 60B9h is 0.
 //!
-//! Probes look at the captured edges that homing looks at, and take none away from it.
+//! Homing uses the same captured edges; neither takes them away from the other.
 
 mod look;
 
@@ -32,7 +32,7 @@ use look::Look;
 
 /// 60B8h and 60B9h: the probe is on.
 const ENABLE: u8 = 1 << 0;
-/// 60B8h: each edge is kept, not only the first.
+/// 60B8h: each edge is stored, not only the first.
 const CONTINUOUS: u8 = 1 << 1;
 const SOURCE_INDEX: u8 = 0b01 << 2;
 const SOURCE_SELECTED: u8 = 0b10 << 2;
@@ -63,13 +63,13 @@ impl Latched {
         counters: [0; 4],
     };
 
-    /// Takes over all of other ones, field by field: as one it would be the only call of `memmove` there is.
+    /// Copies field by field: copied as a whole it would be the only call of `memmove` in the image.
     pub(crate) fn assign(&mut self, from: &Self) {
         copy_fields!(Self { status, positions, times, counters }, from => self);
     }
 }
 
-/// An edge that is sampled, or not.
+/// What a probe has stored of one kind of edge.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sampler {
     /// 60B9h, bit 1 or 2.
@@ -78,7 +78,7 @@ struct Sampler {
     position: i64,
     time: u32,
     counter: u16,
-    /// An edge at the end of a tick, whose level has not lasted long enough yet.
+    /// An edge whose level had not lasted long enough for the filter when the last tick ended.
     held: Option<Edge>,
 }
 
@@ -93,7 +93,8 @@ impl Sampler {
         }
     }
 
-    /// The edges whose level lasts for the filter, of the last ones of a tick; `back` are those away from it. `now` is the time in nanoseconds.
+    /// Those of the edges of a tick whose level lasts at least for the time of the filter. `back` are the opposite edges; `now` is the time
+    /// in nanoseconds.
     fn filtered(
         &mut self,
         edges: Option<Edges>,
@@ -144,7 +145,7 @@ struct Probe {
     function: u8,
     /// The inputs of its source; 0 while it is off.
     mask: u8,
-    /// Those of them that are active while they are low.
+    /// Those of them that are active low.
     inverted: u8,
     /// The positive and the negative edge.
     samplers: [Sampler; 2],
@@ -160,7 +161,7 @@ impl Probe {
         }
     }
 
-    /// Another function, source or input than in the last tick.
+    /// Sets another function, source or input than in the last tick.
     fn set_up(&mut self, function: u8, mask: u8, inverted: u8, restarts: bool) {
         let starts_anew = restarts
             || mask != self.mask
@@ -199,9 +200,9 @@ pub(crate) struct TouchProbes {
     /// 60B8h and 60D0h as the last tick found them.
     function: u16,
     sources: [Source; 2],
-    /// Bits 0 and 8 of 60B8h that were 0 in early ticks since.
+    /// Bits 0 and 8 of 60B8h that were 0 in an early tick since.
     off: u16,
-    /// Bare levels in the last tick: another 2032h is no edge.
+    /// Levels at the pins in the last tick, before 2032h: a change of 2032h is no edge.
     levels: u8,
     inputs: [u8; 4],
     is_news: bool,
@@ -244,17 +245,17 @@ impl TouchProbes {
         self.follow(commands, configuration);
     }
 
-    /// These commands are those of an early tick: they count from the next regular one on, behind the edges that it brings.
+    /// Notes the commands of an early tick. The next regular tick carries them out, after the edges that it sees.
     pub(crate) const fn follow_later(&mut self, commands: &Commands) {
         self.off |= commands.touch_probes_off;
     }
 
-    /// Positions have other numbers: those that are stored are news.
+    /// The stored positions have other numbers now, and are to be shown again.
     pub(crate) const fn show_anew(&mut self) {
         self.is_news = true;
     }
 
-    /// What has become new since the last call; `shown` gives the position that objects show for one of the drive's.
+    /// What the probes have stored, if that has changed since the last call. `shown` converts a position of the drive to that in objects.
     pub(crate) fn take_news(&mut self, shown: impl Fn(i64) -> i32) -> Option<Latched> {
         core::mem::take(&mut self.is_news).then(|| self.latched(shown))
     }
@@ -274,7 +275,7 @@ impl TouchProbes {
         }
     }
 
-    /// 60B8h, 60D0h or the inputs may have changed. Comes behind the edges of the tick: they came before.
+    /// Sets the probes up if 60B8h, 60D0h or the inputs have changed. Called after the edges of the tick are stored, as they came before.
     #[inline(never)]
     fn follow(&mut self, commands: &Commands, configuration: &Configuration) {
         let given = [
@@ -323,7 +324,7 @@ impl TouchProbes {
         self.is_news = true;
     }
 
-    /// Something has happened at the inputs.
+    /// Stores the edges of this tick.
     #[cold]
     #[inline(never)]
     fn sample(
@@ -343,7 +344,7 @@ impl TouchProbes {
             active: inputs.levels ^ configuration.inverted,
             inverted: configuration.inverted,
             now: Edge {
-                // What is not captured is where the motor is now.
+                // Without a captured position, that of the motor now counts.
                 position: count.board_position(),
                 time: nanoseconds(now),
             },
@@ -373,7 +374,7 @@ impl TouchProbes {
     }
 }
 
-/// A moment as edges have it.
+/// A moment in the unit of the times of edges.
 const fn nanoseconds(now: Instant) -> u32 {
     low::u32(now.ticks().wrapping_mul(1000))
 }

@@ -1,4 +1,4 @@
-//! The end where records are put in: they become slots in the ring, each of them written before the DMA comes to it.
+//! How records get into the ring: each becomes slots, and each slot is written before the DMA fetches it.
 
 use super::{MAX_SLOTS, Output};
 use crate::advanced_timer::registers::{Register, Registers};
@@ -8,7 +8,8 @@ use crate::low;
 use crate::{PulseSink, Record, Ticks};
 
 impl<R: Registers> Output<'_, R> {
-    /// Writes slots as long as there is room for what is left of the last record. So many are in time without another look.
+    /// Writes what is left of the last record as slots, while the ring has room. `in_time` slots are sure to be in time; then the count is
+    /// taken anew.
     #[inline]
     pub(super) fn fill(&mut self, mut in_time: i32) {
         let mut iterations = Iterations::at_most(MAX_SLOTS);
@@ -22,7 +23,7 @@ impl<R: Registers> Output<'_, R> {
             }
             in_time = in_time.wrapping_sub(1);
             let words = self.remainder.next();
-            // What follows must not turn back while it is silent.
+            // The silence behind this slot must keep the direction.
             let next = self.written.wrapping_add(1);
             self.level = words.level();
             self.ring.set_level(next, self.level);
@@ -33,8 +34,8 @@ impl<R: Registers> Output<'_, R> {
         }
     }
 
-    /// Takes records that go the same way as the one before, as long as there is room up to the end of the memory and they are in time:
-    /// nearly all are like that. Gives how many.
+    /// The fast path, for nearly all records: takes those that keep the direction, while they are in time and the slots up to the end of
+    /// the ring's memory suffice. Returns how many it has taken.
     #[inline(never)]
     fn push_alike(&mut self, records: &[Record]) -> usize {
         if !self.running || !self.remainder.is_empty() {
@@ -62,7 +63,7 @@ impl<R: Registers> Output<'_, R> {
         let written = slots.len().wrapping_sub(place.free.len());
         if written > 0 {
             self.written = self.written.wrapping_add(low::word(written));
-            // What follows must not turn back while it is silent.
+            // The silence behind the last slot must keep the direction.
             self.ring.set_level(self.written, self.level);
             self.last = place.last;
             // The DMA fetches the next slot when the last one begins.
@@ -71,7 +72,8 @@ impl<R: Registers> Output<'_, R> {
         records.len().wrapping_sub(left.len())
     }
 
-    /// Takes those that are left of so many more, one at a time where they are not alike. Gives how many have been taken then.
+    /// Takes the records from number `taken` on: one by itself, then as many as the fast path takes, and so on. Returns how many of all are
+    /// taken then.
     #[inline(never)]
     fn push_others(&mut self, records: &[Record], mut taken: usize) -> usize {
         let mut iterations = Iterations::for_each(records);
@@ -108,7 +110,7 @@ impl<R: Registers> PulseSink for Output<'_, R> {
         if self.running {
             in_time = self.in_time();
             if in_time <= 0 {
-                // Too late to go on without a gap. When the last slot has been played, the next train begins.
+                // Too late to continue without a gap: the next train begins when the last slot has been played.
                 self.service();
                 if self.failed || self.running {
                     return Err(record);
