@@ -6,10 +6,10 @@
 //!
 //! The device calls it in the task that serves the bus:
 //! - [`Behaviour::check`] and [`Behaviour::written`] with each write of an object of the drive or of its manufacturer;
-//! - [`Behaviour::look`] behind each control tick, and before a frame is taken: what the drive has published, written to the dictionary before;
+//! - [`Behaviour::look`] after each control tick, and before a received frame is served; the dictionary shows what the drive has published;
 //! - [`Behaviour::command`] with each set of commands, before the state machine has them;
-//! - [`Behaviour::loops`] behind each control tick of a servo: what its loops tell, and what they are set to;
-//! - [`Behaviour::asks`] before commands are posted: what else is to be done.
+//! - [`Behaviour::loops`] after each control tick of a servo: what its loops report, and their settings;
+//! - [`Behaviour::take_requests`] before commands are posted: what else the module wants done.
 //!
 //! A call takes a time that is bounded by the module's own numbers, waits for nothing and allocates nothing. A command to stop that it gives is
 //! as urgent as one from the bus ([`crate::Exchange::calls_early`]).
@@ -34,7 +34,7 @@ pub struct View<'a> {
     pub actuals: &'a Actuals,
     /// The NMT state.
     pub state: NmtState,
-    /// Parameters are being stored or forgotten.
+    /// Parameters are being stored or restored.
     pub is_storing: bool,
     /// Which of [`Objects::TOLD_ERRORS`] stand, a bit for each.
     pub errors: u32,
@@ -50,13 +50,13 @@ pub struct View<'a> {
 pub struct Requests {
     /// [`Behaviour::command`] would give other commands than last time: they are to be posted.
     pub commands: bool,
-    /// An object that sets something up was written by the module.
+    /// The module has written an object of the configuration.
     pub configuration: bool,
     /// The device is to start anew, as NMT reset node says.
     pub reset: bool,
     /// 1010h or 1011h is to be carried out with this sub-index, unless the store is busy.
     pub order: Option<(u16, u8)>,
-    /// An object is to get this number, as if a master had written it; [`Behaviour::wrote`] learns what came of it.
+    /// This number is to be written to an object, as a master would; [`Behaviour::wrote`] gets the result.
     pub write: Option<(u16, u8, i64)>,
     /// An emergency message: this error has come (true) or is gone.
     pub error: Option<(u16, bool)>,
@@ -67,7 +67,7 @@ pub trait Behaviour: Default + core::fmt::Debug + 'static {
     /// Whether there is one.
     const IS_THERE: bool = true;
 
-    /// Power-on values were loaded, and what is stored will be behind them.
+    /// The power-on values were loaded; stored parameters follow.
     fn power_on<D: Dictionary + Objects>(&mut self, dictionary: &mut D) {
         let _ = dictionary;
     }
@@ -97,7 +97,7 @@ pub trait Behaviour: Default + core::fmt::Debug + 'static {
         None
     }
 
-    /// What [`Requests::write`] has come to.
+    /// The result of [`Requests::write`].
     fn wrote<D: Dictionary + Objects>(&mut self, dictionary: &D, result: Result<(), AbortCode>) {
         let _ = (dictionary, result);
     }
@@ -117,8 +117,8 @@ pub trait Behaviour: Default + core::fmt::Debug + 'static {
         let _ = (dictionary, units, commands);
     }
 
-    /// The loops of a servo, in each tick: what they tell goes into the dictionary, what they are set to comes out of it. Returns what they are to
-    /// measure, once.
+    /// For a servo, in each tick: writes the report of the loops to the dictionary, and takes their settings from it. Returns a measurement
+    /// that is to begin, once.
     fn loops<D: Dictionary + Objects>(
         &mut self,
         dictionary: &mut D,
@@ -129,7 +129,7 @@ pub trait Behaviour: Default + core::fmt::Debug + 'static {
         None
     }
 
-    /// What is to be done since the last call.
+    /// What the module wants done since the last call.
     fn take_requests(&mut self) -> Requests {
         Requests::default()
     }
@@ -155,7 +155,7 @@ pub fn number<D: Dictionary>(dictionary: &D, index: u16, sub: u8) -> i64 {
         .unwrap_or(0)
 }
 
-/// Puts a number into an object, whatever access a master has; of one that is too large the low bytes. No rule is asked.
+/// Writes a number to an object, with no check of access and rules; of a number that is too large, the low bytes.
 #[inline(never)]
 pub fn put_number<D: Dictionary>(dictionary: &mut D, index: u16, sub: u8, number: i64) {
     if let Ok(entry) = od::find::<D>(index, sub)

@@ -20,7 +20,7 @@ pub struct Commands {
     /// "Shutdown" was written since the last tick took its copy, and no command to stop after it: whoever writes faster than
     /// the control tick still gets from switch on disabled to ready to switch on.
     pub shutdown_first: bool,
-    /// The command that was written since the last tick took its copy, where a controlword with bit 7, which is none, has taken its place.
+    /// The last command that was written since the last tick took its copy, if a controlword with bit 7 (which is no command) followed it.
     pub overwritten: Option<Command>,
     /// The network lets the drive move: the node is neither stopped nor being reset.
     pub remote: bool,
@@ -71,7 +71,7 @@ pub struct Commands {
     pub passed_set_point: Option<SetPoint>,
     /// A fault that the module of the product has found; it stands as long as this says so.
     pub fault: Option<u16>,
-    /// The level of the home switch where it is no input of the drive: it takes the place of those that are for it.
+    /// The level of the home switch as the module of the product gives it, in place of the inputs with that function.
     pub home_switch: Option<bool>,
     /// An output that rises at positions.
     pub compare: Option<Compare>,
@@ -149,7 +149,7 @@ impl Commands {
         self
     }
 
-    /// Takes over all of other ones, field by field.
+    /// Copies field by field.
     #[inline]
     pub(crate) fn assign(&mut self, from: &Self) {
         copy_fields!(Self { controlword, rising, stop, shutdown_first, overwritten, remote, connection_error, restart, mode, vl_target_velocity, target_position, profile_velocity, end_velocity, positioning_option, profile_acceleration, profile_deceleration, target_velocity, #[cfg(feature = "torque")] velocity_offset, target_torque, torque_offset, touch_probe_function, touch_probes_off, digital_outputs, digital_outputs_mask, outputs_written, passed_set_point, fault, home_switch, compare }, from => self);
@@ -168,7 +168,7 @@ impl Commands {
             || before.remote && !self.remote
     }
 
-    /// Whether these ask for what those of before did, with other numbers at most, and nothing is given once.
+    /// Whether these differ from those of before in numbers at most, and hold nothing that is carried out once.
     pub(crate) fn repeat(&self, before: &Self) -> bool {
         let asked = |commands: &Self| {
             (
@@ -187,7 +187,7 @@ impl Commands {
         !is_passed && asked(self) == asked(before)
     }
 
-    /// A tick has seen what is only given once.
+    /// Forgets what is carried out once: a tick has taken it.
     pub(crate) const fn forget_passed(&mut self) {
         self.rising = 0;
         self.stop = None;

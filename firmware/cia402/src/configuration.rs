@@ -229,7 +229,7 @@ macro_rules! configuration {
                 $($group: $Group::NONE,)*
             };
 
-            /// Takes over all of another one, field by field.
+            /// Copies field by field.
             #[inline]
             pub(crate) fn assign(&mut self, from: &Self) {
                 copy_fields!(Self {

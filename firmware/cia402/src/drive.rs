@@ -338,7 +338,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             .map_or(0, |span| u32::try_from(span.ticks()).unwrap_or(u32::MAX))
     }
 
-    /// Works out anew what hangs on units and limits, if they or the home position may have changed.
+    /// Computes again what depends on units and limits, if they or the home position may have changed.
     fn look_for_changes(&mut self, is_configured: bool, position: i64) -> bool {
         if is_configured {
             // An early tick does not look at them: the next regular one does.
@@ -352,7 +352,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         has_changed
     }
 
-    /// Works out anew what hangs on units and limits, when they or the home position have changed.
+    /// Computes again what depends on units and limits, when they or the home position have changed.
     #[cold]
     #[inline(never)]
     fn look_at_units(&mut self, position: i64) {

@@ -141,7 +141,7 @@ impl Exchange {
         self.is_urgent && !self.was_early
     }
 
-    /// Sets what is set up. Call it before [`Exchange::post`], so that a tick that sees the commands knows it.
+    /// Posts the configuration. Call it before [`Exchange::post`], so that a tick that sees the commands knows it.
     pub fn configure(&mut self, configuration: &Configuration) {
         if !configuration.cyclic.buffer.is_open {
             self.clears_records = true;
@@ -203,7 +203,7 @@ impl Exchange {
         }
     }
 
-    /// Brings a control tick's copy of the configuration up to date, behind the commands: with these it knows what was set before.
+    /// Brings a control tick's copy of the configuration up to date. Called after the commands are taken.
     pub fn take_configuration(&mut self, configuration: &mut Configuration) {
         self.is_configured = false;
         configuration.assign(&self.configuration);
@@ -222,7 +222,7 @@ impl Exchange {
         self.is_watched = is_watched;
     }
 
-    /// This state was sent in a transmit PDO, or none has it.
+    /// Notes that this state was sent in a transmit PDO, or that no PDO has it.
     pub fn mark_state_shown(&mut self, state: State) {
         self.is_seen |= State::from_statusword(self.newest().statusword) == Some(state);
     }
@@ -250,7 +250,7 @@ impl Exchange {
         (self.latched, self.readings)
     }
 
-    /// The dictionary has started anew: what it showed is to be told again.
+    /// The dictionary has started anew: probes and readings are to be shown again.
     pub const fn show_again(&mut self) {
         self.has_news = true;
     }
@@ -288,7 +288,7 @@ impl Exchange {
         self.orders.take().unwrap_or_default()
     }
 
-    /// What the recorder has become.
+    /// Publishes the status of the recorder.
     pub(crate) const fn set_scope(&mut self, status: Status) {
         self.scope = status;
     }
@@ -347,7 +347,7 @@ impl Exchange {
         self.notices.pop_front()
     }
 
-    /// The drive has started anew: what it had told of its faults is void.
+    /// The drive has started anew: its news of faults is void.
     pub fn forget_notices(&mut self) {
         self.notices.clear();
     }

@@ -136,7 +136,7 @@ pub enum FaultNotice {
     Cleared(u16),
 }
 
-/// The most faults that are told apart at one time; a further one stops the motor and is not told, neither by 603Fh.
+/// How many faults can stand at one time. A further one stops the motor, but neither an emergency message nor 603Fh shows it.
 const STANDING: usize = 8;
 
 /// The faults that stand.
@@ -218,8 +218,8 @@ impl Faults {
         }
     }
 
-    /// The network was lost, and 6007h makes a fault of it. The node has told of it already: 603Fh shows the code, and no
-    /// other emergency message is sent.
+    /// The network was lost, and 6007h makes a fault of it. 603Fh shows the code; the node has sent the emergency message
+    /// already.
     pub(crate) const fn lose_connection(&mut self, code: u16) {
         self.error_code = code;
     }
@@ -297,7 +297,7 @@ impl Faults {
         self.board_warning = warning;
     }
 
-    /// Pulses came too late, and that is only told; or the motor stands again and nothing is late any more.
+    /// Warns of pulses that came too late, or takes the warning back when the motor stands.
     pub(crate) fn warn_of_late_pulses(&mut self, late: bool) {
         if late != self.late {
             self.late = late;
@@ -308,21 +308,21 @@ impl Faults {
         }
     }
 
-    /// Too many set-points of a cyclic mode are missing.
+    /// Raises the fault of too many missing set-points in a cyclic mode.
     pub(crate) fn raise_lost_set_points(&mut self) -> Reaction {
         let mut reaction = None;
         self.raise(SET_POINTS_LOST, &mut reaction);
         reaction.unwrap_or(Reaction::AsConfigured)
     }
 
-    /// A motor that moved had no pulses for a moment.
+    /// Raises the fault of a moving motor that had no pulses for a moment.
     pub(crate) fn raise_lost_pulses(&mut self) -> Reaction {
         let mut reaction = None;
         self.raise(PULSES_LATE, &mut reaction);
         reaction.unwrap_or(Reaction::AsConfigured)
     }
 
-    /// SYNC comes with another period than is set up (a warning), or no longer.
+    /// Warns of a SYNC whose period is not the one that is set up, or takes the warning back.
     pub(crate) fn warn_of_sync_period(&mut self, differs: bool) {
         if differs != self.sync_differs {
             self.sync_differs = differs;

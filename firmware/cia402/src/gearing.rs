@@ -88,13 +88,17 @@ pub struct Ramps {
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Coupling {
+    /// Not coupled.
     #[default]
     Open,
+    /// On the ramp to the velocity of the master.
     Ramps,
+    /// The same, and it makes up for what the master has moved since the coupling began.
     CatchesUp,
-    /// So many increments of the master are to go by in all.
+    /// Takes the velocity over evenly while the master moves so many increments in all.
     Travels(i64),
     Synchronised,
+    /// On the ramp to standstill.
     Leaves,
 }
 

@@ -259,7 +259,7 @@ pub(crate) struct Switches {
 }
 
 impl Switches {
-    /// The configuration is perhaps another one.
+    /// The configuration may have changed.
     pub(crate) const fn look_anew(&mut self) {
         self.is_settled = false;
     }
@@ -325,7 +325,7 @@ impl Switches {
         self.is_settled = self.index.is_none() && switches.into_iter().zip(masks).all(is_still);
     }
 
-    /// What the last tick has found at edges is not for a tick that does not look.
+    /// Forgets the edges of the last tick, for a tick that does not look at the inputs.
     pub(crate) const fn forget_edges(&mut self) {
         self.negative_limit.state.edge = None;
         self.positive_limit.state.edge = None;
@@ -400,11 +400,11 @@ pub(crate) struct Switch {
     age: u32,
 }
 
-/// An edge that has not become a change after so many debounce times belongs to none.
+/// An edge that has led to no change after so many debounce times is dropped.
 const LONGEST_BOUNCE: u32 = 4;
 
 impl Switch {
-    /// `protects` says that it is a limit switch: of one that chatters the motor keeps away.
+    /// `protects`: it is a limit switch, which counts as active while it chatters.
     fn observe(&mut self, mask: u8, protects: bool, look: &Look<'_>) {
         self.state.edge = None;
         if mask == 0 {
@@ -485,7 +485,7 @@ impl Switch {
                 };
             }
         }
-        // One that is old has been decided on, even where the next one begins at once.
+        // An old edge has been decided on, even if the next change begins at once.
         self.state.pending = self.edge.filter(|_| !is_dropped);
     }
 }

@@ -68,7 +68,7 @@ impl Monitor {
         self.had_following_error = false;
     }
 
-    /// A tick in which the motor has no power: what it should do is what it does.
+    /// A tick without power: there is no following error.
     pub(crate) fn reset(&mut self, now: Instant) {
         for (error, _) in &mut self.errors {
             *error = 0;
@@ -102,7 +102,7 @@ impl Monitor {
     ) -> Observed {
         let error = following_error(demand, position, is_counted);
         let (growth, span) = self.put(now, error);
-        // One step more or less is but the moment at which a pulse leaves.
+        // A difference of one step is only the moment at which a pulse leaves.
         let slippage = if growth.unsigned_abs() <= 1 {
             SignedSpeed::ZERO
         } else {
@@ -113,7 +113,7 @@ impl Monitor {
             following_error: error,
             velocity: demand.velocity.minus(slippage),
             slippage,
-            // Looked at while it is off too, so that its time starts anew behind that.
+            // Checked while it is off too, so that its time starts anew when it is on again.
             exceeds_window: self.outside.has_held(
                 now,
                 window != OFF && error.unsigned_abs() > window,
@@ -141,7 +141,7 @@ impl Observed {
     };
 }
 
-/// 60F4h in steps. Of pulses that are counted none is missing as long as it may just be on its way.
+/// 60F4h in steps. Where pulses are counted, one that may still be on its way is not missing.
 const fn following_error(demand: Demand, position: i64, is_counted: bool) -> i32 {
     let error = low::i32(demand.position).wrapping_sub(low::i32(position));
     if is_counted && error.unsigned_abs() <= moment_of_a_pulse(demand.velocity) {

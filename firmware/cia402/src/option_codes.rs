@@ -141,7 +141,7 @@ pub enum AbortConnectionOption {
     FaultSignal = 1,
     /// 2: as the command "disable voltage".
     DisableVoltage = 2,
-    /// 3: as the command "quick stop", and never left without power going off: 605Ah = 2 counts, whatever it is.
+    /// 3: as the command "quick stop" with 605Ah = 2, whatever 605Ah is: the power goes off at the end.
     QuickStop = 3,
 }
 

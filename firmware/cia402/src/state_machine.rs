@@ -301,7 +301,7 @@ impl StateMachine {
         }
     }
 
-    /// The master has given a command: one that leaves operation enabled by 605Bh or 605Ch waits for the motor to stand.
+    /// Takes a command of the master. One that leaves operation enabled by 605Bh or 605Ch waits for the motor to stand.
     pub(crate) fn order(&mut self, command: Command) {
         if self.state == State::OperationEnabled {
             self.progress = match command {
@@ -311,7 +311,7 @@ impl StateMachine {
         }
     }
 
-    /// Operation is enabled as was ordered, and nothing waits; or it is not so any more.
+    /// Notes whether operation is enabled as was ordered, and nothing waits.
     pub(crate) fn settle(&mut self, is_settled: bool) {
         if is_settled && self.state == State::OperationEnabled {
             self.progress = Progress::Settled;
@@ -320,8 +320,8 @@ impl StateMachine {
         }
     }
 
-    /// Whether a fault is reset that was so while its reaction was over and only shown: in fault, where that counts. In the reaction, an
-    /// `edge` of bit 7 is kept for then, unless the fault `is_new`.
+    /// Takes a fault reset that came while the reaction was over and lasted only to be shown. It takes effect in the state fault, where this
+    /// returns true; in fault reaction active an `edge` of bit 7 is kept until then, unless another fault `is_new`.
     pub(crate) fn take_fault_reset(
         &mut self,
         edge: bool,

@@ -2,7 +2,7 @@
 //!
 //! An actuator takes demands: a position with velocity and acceleration ahead, a velocity, or a torque. It tells position, velocity and
 //! torque, whether the motor stands, and what is wrong. It stops on a ramp. It knows no mode, no limit and no unit: limits, limit switches, the
-//! home position and the direction of counting are above it. The step axis is one; what it cannot do, a torque, it says. The servo axis is another.
+//! home position and the direction of counting are above it. There are a step axis, which refuses a torque, and a servo axis.
 //!
 //! [`Actuator`] is what the modes know. What the demands go through to the motor, pulses or a current loop, is the port of the actuator
 //! ([`AtPort`]): the drive hands it on and never looks at it.
@@ -206,7 +206,7 @@ pub trait Actuator: 'static {
     /// Where what is followed ends, and its velocity there.
     fn path_end(&self) -> Demand;
 
-    /// From where, and in which time, something is followed that is to be done at `end`: from the last set-point given, or from what is
+    /// From where, and in how much time, a set-point that is due at `end` is followed: from the last set-point given, or from what is
     /// committed if that goes beyond it.
     fn path_to(&self, end: MicrosQ16) -> PathEnd;
 
@@ -222,7 +222,7 @@ pub trait Actuator: 'static {
 
 /// An actuator at its port `P`: what the board gives it to move the motor with.
 pub trait AtPort<P>: Actuator {
-    /// Takes what is set up. The motor has no power and stands.
+    /// Takes the configuration. The motor has no power and stands.
     fn set_up(&mut self, configuration: &Configuration);
 
     /// What the positions here have beyond those of the board, for an actuator that gives positions to its port.

@@ -132,7 +132,7 @@ impl<L: EmitterLock> StepAxis<L> {
         result.map(|_| ()).map_err(|_| Refused)
     }
 
-    /// Makes a plan for the commit horizon. Not true: a refill has moved that on meanwhile.
+    /// Makes a plan from the commit horizon on. Returns false if a refill has moved the horizon meanwhile.
     // Out of line, as the next one is: only one of the two has a plan on the stack.
     #[inline(never)]
     fn plan_ahead(&mut self, goal: Goal, limits: Limits, ramps: Ramps) -> Result<bool, PlanError> {

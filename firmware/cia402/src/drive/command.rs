@@ -8,8 +8,8 @@ use crate::objects::Objects;
 use crate::state_machine::{Progress, State};
 
 impl<D: Objects, A: Actuator> Drive<D, A> {
-    /// The command of this tick: that of the controlword; or, as a controlword with bit 7 is none, the one before it to leave
-    /// operation enabled, while that waits for the motor.
+    /// The command of this tick: the one in the controlword. Without one (bit 7 is set) it is the earlier command to leave operation
+    /// enabled, as long as that waits for the motor to stand.
     pub(super) fn command(&mut self) -> Option<Command> {
         let given = self.given_command();
         if let Some(command) = given {
@@ -18,8 +18,8 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         given.or(self.machine.pending())
     }
 
-    /// What the master has given: a command to stop that was overwritten since the last tick, else "shutdown" if a master in a
-    /// hurry has gone past it already, else the one that stands in the controlword, or stood there before one with bit 7.
+    /// The command that the master has given. A command to stop that was overwritten since the last tick goes first; then "shutdown", if a
+    /// fast master has overwritten it; then the command in the controlword, or the last one before a controlword with bit 7.
     fn given_command(&mut self) -> Option<Command> {
         let commands = &self.commands;
         let standing = Command::decode(commands.controlword).or(commands.overwritten);
@@ -43,8 +43,8 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         }
     }
 
-    /// Whether the master resets a fault: in this tick, or when the reaction was over already and went on only to be seen
-    /// (`is_over`, and not yet `has_shown`). A fault that comes later is no one's that the master knows.
+    /// Whether the master resets the fault: in this tick, or earlier, when the reaction was over and lasted only to be shown
+    /// (`is_over`, and not yet `has_shown`). A reset does not count for a fault that came after it.
     pub(super) fn take_fault_reset(
         &mut self,
         is_over: bool,

@@ -52,13 +52,13 @@ impl Cyclic {
         }
     }
 
-    /// The configuration is perhaps another one.
+    /// The configuration may have changed.
     pub(crate) const fn look_anew(&mut self) {
         self.is_new = true;
     }
 
-    /// Takes what has come since the last tick: each piece under a lock of its own, and nothing is worked out there. A drive that has no mode for
-    /// data records `keeps_records` never; so in the next function.
+    /// Takes what has come since the last tick: each piece under a lock of its own, in which nothing is computed. `keeps_records` is
+    /// false in a drive without a mode for data records; so it is in the next function.
     pub(crate) fn take<X: Share>(
         &mut self,
         waiting: Waiting,
@@ -138,7 +138,7 @@ impl Cyclic {
         (is_in_step && pll.is_running()).then(|| self.schedule.next(now, pll))
     }
 
-    /// The sync events, or what is set up, are not what they were.
+    /// The sync events or the configuration have changed.
     #[inline(never)]
     fn look_at_clock(&mut self, configuration: &CyclicConfiguration) {
         let period = self.clock.period();

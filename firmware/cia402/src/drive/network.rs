@@ -8,7 +8,7 @@ use crate::objects::Objects;
 use crate::option_codes::AbortConnectionOption;
 use crate::state_machine::State;
 
-/// How the drive takes the network.
+/// What the network may do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Network {
     /// It may not command the drive.

@@ -96,7 +96,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             let power = u64::from(brake.power).saturating_mul(1_000);
             let release = u64::from(brake.release).saturating_mul(1_000);
             self.brakes.may_open_at = Instant::from_ticks(now.ticks().saturating_add(power));
-            // A field that is led by the rotor draws it nowhere.
+            // A field that follows the rotor does not pull it anywhere.
             let is_drawn = inputs.position_tolerance != 0 && Self::MODES & TORQUE_MODES == 0;
             let wait = if is_drawn {
                 power.saturating_add(release).saturating_add(ALIGNMENT_TIME)

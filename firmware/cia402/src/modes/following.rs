@@ -242,7 +242,7 @@ impl Following {
         self.waiting = None;
     }
 
-    /// Finds from where a set-point is gone to that is due at `end`, and how fast the motor is there; `None` if there is no time for it.
+    /// Finds where the motion to a set-point that is due at `end` begins, and the velocity there; `None` if there is no time for it.
     fn begin_segment(
         &mut self,
         end: MicrosQ16,

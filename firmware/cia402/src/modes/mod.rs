@@ -78,9 +78,9 @@ pub(crate) struct Context<'a, P: Types> {
     pub(crate) observed: &'a Observed,
     /// Where the motor may go by 607Dh.
     pub(crate) travel: &'a Travel,
-    /// The configuration, or where the motor may go, is perhaps not that of the last tick.
+    /// The configuration or the travel may have changed since the last tick.
     pub(crate) has_changed: bool,
-    /// Neither that nor the commands: what the tick before has made of them holds.
+    /// Neither that nor the commands have changed: what the tick before has computed from them holds.
     pub(crate) is_as_before: bool,
     pub(crate) frame: &'a mut PositionFrame,
     pub(crate) is_brake_open: bool,
@@ -369,7 +369,7 @@ impl Modes {
         }
     }
 
-    /// Whether data records of interpolated position are kept: not outside of the mode, and not when what it was after is forgotten.
+    /// Whether data records of interpolated position are kept: not outside of the mode, and not after it has given up its set-points.
     pub(crate) const fn keeps_records(&self) -> bool {
         matches!(self.state, ActiveMode::InterpolatedPosition(_)) && !self.interrupted
     }

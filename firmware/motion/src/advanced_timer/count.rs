@@ -111,14 +111,14 @@ impl PulseCount {
         mark.unwrap_or(&self.first).position_at(count)
     }
 
-    /// Its slots are counted anew. What turned before, or turns with its first slot, is behind it.
+    /// Another train begins, and its slots are counted anew: changes of direction up to its first slot are older than the train.
     pub(super) fn begin_train(&mut self) {
         for mark in &mut self.later {
             mark.slot = BEFORE;
         }
     }
 
-    /// The counter shows `count` now: what is far behind is moved on.
+    /// Moves a mark on that is far behind the counter, which shows `count` now.
     pub(super) fn go_on(&mut self, count: u32) {
         let behind = count.wrapping_sub(self.first.count).cast_signed();
         if behind > FAR {

@@ -16,7 +16,7 @@ pub(super) const MAX_PERIODS: u32 = 256;
 /// more time. (What is silent behind the last record takes longer.)
 pub(super) const LONGEST_RUN: u32 = 1 << 14;
 
-/// Pulses as wide as that have no room in half of the longest run.
+/// Pulses from this width on do not fit into half of the longest run.
 const WIDEST: u16 = low::u16(LONGEST_RUN / 2);
 
 /// What a DMA burst writes into ARR, RCR, CCR1 and CCR2.
@@ -92,7 +92,7 @@ impl Runs {
     }
 }
 
-/// In how many runs so many periods are, none longer than a run may be: what waits for a plan is reckoned with that. `None` if a period is.
+/// How many runs so many periods take, if none is longer than a run may be; `None` if a single period is longer.
 #[inline]
 fn number_of_runs(period: u32, periods: u32) -> Option<u32> {
     let max = LONGEST_RUN.checked_div(period)?.min(MAX_PERIODS);

@@ -21,7 +21,7 @@ impl Window {
     /// The longest one, in ticks: 6.4 s at 168 MHz.
     const LONGEST: u32 = 1 << 30;
 
-    /// In which the acceleration changes by `change` steps/s² at `jerk` steps/s³ or less. At least a time slice of so many ticks.
+    /// The window in which the acceleration changes by `change` steps/s² at `jerk` steps/s³ or less. At least a time slice of so many ticks.
     pub(crate) fn new(clock: Clock, change: u64, jerk: u32, time_slice: u32) -> Self {
         let ticks = change.saturating_mul(clock.hz().into());
         let (ticks, over) = div_rem(ticks, jerk.max(1));
@@ -29,7 +29,7 @@ impl Window {
         Self::of(low::u32(ticks.min(Self::LONGEST.into())), time_slice)
     }
 
-    /// One that takes so many ticks, or a few more: at most [`SAMPLES`] of them. At least a time slice.
+    /// A window of so many ticks, or a few more: at most [`SAMPLES`] of them. At least a time slice.
     pub(crate) fn of(ticks: u32, time_slice: u32) -> Self {
         let time_slice = time_slice.max(1);
         let ticks = ticks.max(time_slice);
@@ -46,7 +46,7 @@ impl Window {
         u32::from(self.count) * self.grid
     }
 
-    /// The jerk where deceleration comes behind acceleration at once, in steps/s³.
+    /// The jerk where the deceleration follows the acceleration without a cruise, in steps/s³.
     pub(crate) fn jerk(&self, clock: Clock, acceleration: u32, deceleration: u32) -> u32 {
         let change = u64::from(acceleration).saturating_add(deceleration.into());
         let (jerk, _) = div_rem(change.saturating_mul(clock.hz().into()), self.ticks());

@@ -1,4 +1,4 @@
-//! The end where pulses come out.
+//! The side of the step interrupt: it takes records out of the queue and makes the pulses.
 
 use core::fmt;
 use core::sync::atomic::Ordering;

@@ -1,4 +1,4 @@
-//! The end where records are put in.
+//! The side of the control tick: it puts records into the queue.
 
 use core::fmt;
 use core::marker::PhantomData;

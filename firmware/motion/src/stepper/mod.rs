@@ -60,7 +60,7 @@ pub(crate) struct Stepper {
 }
 
 impl Stepper {
-    /// A stepper that stands at `steps` at tick `now`. `time slice` is brought into a range that `timing` allows.
+    /// A stepper that stands at `steps` at tick `now`. `time_slice` is brought into a range that `timing` allows.
     pub(crate) fn new(timing: DriverTiming, time_slice: u32, steps: i32, now: Ticks) -> Self {
         let train = Train::new(timing, time_slice, steps, now);
         let time_slice = train.time_slice;

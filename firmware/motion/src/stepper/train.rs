@@ -75,7 +75,7 @@ pub(super) struct Train {
 }
 
 impl Train {
-    /// A train that stands at `steps` at tick `now`. `time slice` is brought into a range that `timing` allows.
+    /// A train that stands at `steps` at tick `now`. `time_slice` is brought into a range that `timing` allows.
     pub(super) fn new(timing: DriverTiming, time_slice: u32, steps: i32, now: Ticks) -> Self {
         let timing = timing.checked();
         let shortest = timing.shortest_period();

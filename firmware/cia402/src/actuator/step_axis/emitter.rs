@@ -10,7 +10,7 @@ use crate::board::{DriveConfig, outlast_tick};
 #[derive(Debug)]
 pub struct Emitter {
     pub(super) is_reversed: bool,
-    /// Late: the pulses are, and all of them are sent. Broken: the axis is, and some may be missing.
+    /// Late: pulses came late, but all of them are sent. Broken: the axis has failed, and pulses may be missing.
     errors: ActuatorErrors,
     pub(super) axis: Axis,
 }
@@ -52,10 +52,10 @@ impl Emitter {
 /// How the control tick gets at an emitter. Between any two calls a refill may commit pulses, so what belongs together is asked in one; none of them
 /// takes longer than a refill.
 pub trait EmitterLock: 'static {
-    /// Asks something.
+    /// Reads from the emitter.
     fn look<R>(&self, f: impl FnOnce(&Emitter) -> R) -> R;
 
-    /// Changes something.
+    /// Changes the emitter.
     fn lock<R>(&mut self, f: impl FnOnce(&mut Emitter) -> R) -> R;
 }
 

@@ -5,7 +5,7 @@ use crate::axis::{Axis, AxisConfig};
 use crate::vectors::a_move;
 use crate::{Clock, DriverTiming, Limits, Plan, Position, State, Velocity};
 
-/// Plays the train of a vector. `time slice` in microseconds: long moves are played in long time slices to save time.
+/// Plays the train of a vector. `time_slice` in microseconds: long moves are played in long time slices to save time.
 fn play(id: &str, hz: u32, time_slice: u32) {
     let v = a_move(id);
     let clock = Clock::new(hz).unwrap();
