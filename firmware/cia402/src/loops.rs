@@ -27,7 +27,7 @@ pub struct ServoSettings {
     pub share: u16,
     /// The same along the magnet (d axis); 0 is as across it.
     pub share_along: u16,
-    /// The share of what the current loop does not know that a period takes up, in thousandths; 0 is that of the loop.
+    /// The share of the unknown voltage that the current loop learns in a period, in thousandths; 0 is that of the axis.
     pub learning: u16,
     /// 20C3h: the low-pass in Hz and its quality in thousandths, the notch likewise.
     pub filters: [u16; 4],

@@ -32,7 +32,7 @@ impl Angle {
         self.0
     }
 
-    /// This many turns; what is no number is none, and whole turns count for nothing up to 2³¹ of them.
+    /// An angle in turns. Whole turns are left out, up to 2³¹ of them; NaN is 0.
     #[inline(never)]
     pub fn from_turns(turns: f32) -> Self {
         Self((turns * 4_294_967_296.0) as i64 as u32)

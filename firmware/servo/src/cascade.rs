@@ -2,10 +2,10 @@
 //!
 //! ```text
 //! velocity wanted = velocity ahead + Kp · position error
-//! current         = (acceleration ahead + Kv · velocity error) · J / kt + friction ahead + what adds up of the velocity error
+//! current         = (acceleration ahead + Kv · velocity error) · J / kt + friction ahead + integral of the velocity error
 //! ```
 //!
-//! The position is a whole number of counts all the way to the error. What adds up does so only as far as the limit leaves room, so nothing winds up. A loop that
+//! The position is a whole number of counts all the way to the error. The integral grows only as far as the limits leave room, so it does not wind up. A loop that
 //! takes over begins with the current that flows: there is no bump, whatever the errors are then.
 
 use crate::filter::Filter;
@@ -28,7 +28,7 @@ pub struct Gains {
     pub position: f32,
     /// Of the velocity, in 1/s: its bandwidth in rad/s (60F9h).
     pub velocity: f32,
-    /// Of what adds up, in 1/s.
+    /// Of the integral, in 1/s.
     pub integral: f32,
 }
 
@@ -43,7 +43,7 @@ impl Gains {
     }
 
     /// # Errors
-    /// With a gain below 0, above 10⁴, or that is no number.
+    /// With a gain below 0, above 10⁴, or that is NaN.
     fn checked(self) -> Result<Self, Implausible> {
         let gains = [self.position, self.velocity, self.integral];
         let is_one = gains.iter().all(|gain| is_within(*gain, 0.0, 1e4));
@@ -106,7 +106,7 @@ pub struct Cascade {
     /// In A, in the direction of the motion.
     friction: f32,
     filters: [Filter; 2],
-    /// What has added up, in A.
+    /// The integral, in A.
     sum: f32,
     /// The error of the position, in rad; 0 while that is left alone.
     away: f32,
@@ -119,7 +119,7 @@ impl Cascade {
     /// For a motor that was checked, with a period in s.
     ///
     /// # Errors
-    /// With a period outside 20 µs to 10 ms, or gains that are none.
+    /// With a period outside 20 µs to 10 ms, or with invalid gains.
     pub fn new(motor: &Motor, gains: Gains, period: f32) -> Result<Self, Implausible> {
         let motor = motor.checked()?;
         let gains = gains.checked()?;
@@ -142,7 +142,7 @@ impl Cascade {
     /// With a low-pass and a notch for the current, and the current that dry friction takes, in A.
     ///
     /// # Errors
-    /// With a friction below 0 or that is no number.
+    /// With a friction below 0 or that is NaN.
     pub fn with(self, low_pass: Filter, notch: Filter, friction: f32) -> Result<Self, Implausible> {
         let filters = [low_pass, notch];
         is_within(friction, 0.0, 1e3)
@@ -154,10 +154,10 @@ impl Cascade {
             .ok_or(Implausible)
     }
 
-    /// Other gains, from the next period on. What they change of the current now is put into what has added up.
+    /// Other gains, from the next period on. The integral takes the step that they would make in the current.
     ///
     /// # Errors
-    /// With gains that are none; those of before stay.
+    /// With invalid gains; those of before stay.
     pub fn set_gains(&mut self, gains: Gains) -> Result<(), Implausible> {
         let gains = gains.checked()?;
         let before = self.gains.velocity * self.velocity_error;
@@ -168,7 +168,7 @@ impl Cascade {
         Ok(())
     }
 
-    /// Another low-pass and notch, from the next period on, as if this current in A had come for ever.
+    /// Another low-pass and notch, from the next period on, settled at this current in A.
     pub fn set_filters(&mut self, low_pass: Filter, notch: Filter, current: f32) {
         self.filters = [low_pass, notch];
         for filter in &mut self.filters {
@@ -198,7 +198,7 @@ impl Cascade {
         let at_once = self.at_once(demand);
         let growth = self.gains.integral * self.gains.velocity * self.period * self.inertia;
         let sum = self.sum + growth * self.velocity_error;
-        // It adds up while there is room for it, or on its way back.
+        // The integral grows within the limits only, or back towards them.
         let wanted = at_once + sum;
         let is_away = (wanted > max && sum > self.sum) || (wanted < least && sum < self.sum);
         if !is_away {
@@ -212,7 +212,7 @@ impl Cascade {
         between(current, least, max)
     }
 
-    /// Looks at what is away from what is wanted.
+    /// Takes the errors of position and velocity.
     #[inline]
     fn compare(&mut self, demand: &Demand, actual: Actual) {
         self.away = demand.position.map_or(0.0, |position| {
@@ -225,7 +225,7 @@ impl Cascade {
         self.velocity_error = limit(wanted, FASTEST) - limit(actual.velocity, FASTEST);
     }
 
-    /// All but what adds up, in A.
+    /// All but the integral, in A.
     #[inline]
     fn at_once(&self, demand: &Demand) -> f32 {
         let velocity = limit(demand.velocity, FASTEST);

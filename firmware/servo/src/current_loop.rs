@@ -18,7 +18,7 @@
 //!
 //! The voltage stays in the circle of the bus, d first: there field weakening acts. While the motor brakes it is the one that is nearest to what is wanted. The
 //! current that is asked for stays in its own circle, d first.
-//! A current above the trip, a bus outside its bounds, or what is no number, ends it: the gates are to be off until [`CurrentLoop::start`].
+//! A current above the trip, a bus outside its bounds, or NaN, ends it: the gates are to be off until [`CurrentLoop::start`].
 
 use crate::Angle;
 use crate::field_weakening::FieldWeakening;
@@ -51,7 +51,7 @@ pub struct CurrentConfig {
     pub period: f32,
     /// The share of an error that a period takes away: 0.93 comes within 2 % in 6 periods though R and L are off by 30 %.
     pub share: f32,
-    /// The share of what the model does not know that a period takes up.
+    /// The share of the unknown voltage that a period learns: the gain of the integral.
     pub learning: f32,
     /// The greatest current that is ever asked for, as the peak of a phase, in A.
     pub max_current: f32,
@@ -98,7 +98,7 @@ pub enum Trip {
     OverCurrent,
     /// A current above its bound that does not come back by the other phases.
     Short,
-    /// The bus is below its bound, or is no number.
+    /// The bus is below its bound, or is NaN.
     UnderVoltage,
     /// The bus is above its bound.
     OverVoltage,
@@ -142,7 +142,7 @@ impl Axis {
         }
     }
 
-    /// Takes up what the model has not known of the last period.
+    /// Learns the unknown voltage from the error of the last prediction: the integral of the loop.
     #[inline]
     fn learn(&mut self, current: f32, bus: f32) {
         let away = current - self.expected;
@@ -368,7 +368,7 @@ impl CurrentLoop {
         Ok(self.modulation.widths(voltage, sample.currents, by_bus))
     }
 
-    /// Ends everything if a measured value is beyond its bounds or is no number.
+    /// Ends everything if a measured value is beyond its bounds or is NaN.
     #[inline]
     fn check(&mut self, sample: &Sample) -> Result<(), Trip> {
         let (least, max) = self.config.bus;
@@ -413,7 +413,7 @@ impl CurrentLoop {
         }
     }
 
-    /// Takes up what the model has not known of the last period.
+    /// Learns the unknown voltage from the error of the last prediction: the integral of the loop.
     #[inline]
     fn learn(&mut self, current: Rotor, bus: f32) {
         if matches!(self.state, State::Starting) {
@@ -462,7 +462,7 @@ impl CurrentLoop {
 }
 
 /// A voltage in the circle. While the motor drives d comes first, and q has what is left. While it brakes the voltage is as near as it comes to the one that is
-/// wanted: d first would leave q to the magnet where the current takes the whole voltage, and q would run away. What is no number is 0.
+/// wanted: d first would leave q to the magnet where the current takes the whole voltage, and q would run away. NaN is 0.
 #[inline]
 fn in_circle(wanted: Rotor, max: f32, brakes: bool) -> Rotor {
     if wanted.square() <= max * max {

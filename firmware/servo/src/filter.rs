@@ -6,7 +6,7 @@ use crate::Angle;
 use crate::motor::Implausible;
 use crate::number::{is_within, limit};
 
-/// What no current is beyond, in A.
+/// Currents are cut to this amount, in A.
 const MAX: f32 = 1e4;
 
 /// A filter with its memory.
@@ -18,7 +18,7 @@ pub struct Filter {
 }
 
 impl Filter {
-    /// What passes everything.
+    /// A filter that passes everything.
     pub const NONE: Self = Self {
         ahead: [1.0, 0.0, 0.0],
         back: [0.0; 2],
@@ -71,7 +71,7 @@ impl Filter {
         }
     }
 
-    /// As if this had come for ever.
+    /// Settles at this input.
     #[inline(never)]
     pub fn settle(&mut self, value: f32) {
         let value = limit(value, MAX);

@@ -8,8 +8,8 @@
 //! - Currents, voltages and gains are f32 in SI units; an angle is a fraction of a turn in 32 bits ([`Angle`]); positions are whole counts of 64 bits.
 //! - Vectors have the amplitude of a phase: 1 A in q is a peak of 1 A in each phase. The d axis lies along the magnet, q a quarter of an
 //!   electrical turn ahead of it; a positive current in q turns the motor positively.
-//! - What comes from outside is checked once, where it is set up. No number, NaN and infinity among them, makes it panic or give out
-//!   what is no number, more than the bus has, or a current beyond its limit.
+//! - What comes from outside is checked once, where it is set up. No input, NaN and infinity among them, makes it panic or give out
+//!   NaN, more than the bus has, or a current beyond its limit.
 //! - It knows no clock: each loop is told its period once, and is called that often.
 #![no_std]
 #![forbid(unsafe_code)]

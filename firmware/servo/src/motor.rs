@@ -46,7 +46,7 @@ pub struct Motor {
     pub counts: u32,
 }
 
-/// Data of a motor, a loop or a filter that are no numbers, or none that can be.
+/// Data of a motor, a loop or a filter that are NaN, or not possible.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Implausible;
 

@@ -1,6 +1,6 @@
 //! Numbers of 32 bits that stay numbers. What is asked in many places is out of line, but for what a period of the current loop asks.
 
-/// The value within a bound on both sides; what is no number is 0. A bound below 0 or that is no number is 0 as well.
+/// The value, cut to a bound on both sides; for NaN 0. A bound below 0 or that is NaN is 0 as well.
 #[inline]
 pub fn limit(value: f32, bound: f32) -> f32 {
     // Most are; only what is not needs more than one comparison.
@@ -17,7 +17,7 @@ pub fn limit(value: f32, bound: f32) -> f32 {
     }
 }
 
-/// The value from `min` to `max`; what is no number is what lies next to 0 there.
+/// The value, cut to `min` ..= `max`; for NaN the value in this range that is nearest to 0.
 #[inline(never)]
 pub fn between(value: f32, min: f32, max: f32) -> f32 {
     if value > max {
@@ -33,31 +33,31 @@ pub fn between(value: f32, min: f32, max: f32) -> f32 {
     }
 }
 
-/// The greater one; the other if one is no number.
+/// The greater one; the other if one is NaN.
 #[inline]
 pub fn greater(one: f32, other: f32) -> f32 {
     if one > other { one } else { other }
 }
 
-/// The lesser one; the other if one is no number.
+/// The lesser one; the other if one is NaN.
 #[inline]
 pub fn lesser(one: f32, other: f32) -> f32 {
     if one < other { one } else { other }
 }
 
-/// The value from `min` to `max`; what is no number is `min`.
+/// The value, cut to `min` ..= `max`; for NaN `min`.
 #[inline]
 pub fn within(value: f32, min: f32, max: f32) -> f32 {
     lesser(greater(value, min), max)
 }
 
-/// Whether a value lies in a range; what is no number does not.
+/// Whether a value lies in a range; NaN does not.
 #[inline(never)]
 pub fn is_within(value: f32, min: f32, max: f32) -> bool {
     value >= min && value <= max
 }
 
-/// The square root; 0 of what is below the least normal number, or is no number. Within 10⁻⁶ of it.
+/// The square root; 0 for a subnormal or negative value and for NaN. Within 10⁻⁶ of it.
 ///
 /// Newton's steps for 1/√x, from a first guess by halving the exponent.
 #[inline(never)]

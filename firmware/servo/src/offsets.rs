@@ -34,7 +34,7 @@ impl CurrentSense {
     /// With amperes of a count, the count in the middle, and how far from it an offset may be.
     ///
     /// # Errors
-    /// With a scale of 0, beyond 10 A a count, or that is no number.
+    /// With a scale of 0, beyond 10 A a count, or that is NaN.
     pub fn new(scale: f32, middle: u16, spread: u16) -> Result<Self, Implausible> {
         let sense = Self {
             scale,

@@ -5,7 +5,7 @@
 //! back of the demand is kept, and made up: at once, or when the demand has come to rest, with a speed of its own. So the motor gives its
 //! torque for as long as the load is too great, goes back with it if it must, and is where it was to be as soon as the load lets it.
 //!
-//! - Supervised, the field follows the demand whatever the rotor does, and a lead beyond the bound is told.
+//! - Supervised, the field follows the demand whatever the rotor does, and a lead beyond the bound is reported.
 //! - The current is by the load: from that at rest up to the whole as the lead comes to a full step, at once; down again slowly.
 //! - The swinging of the rotor is damped: the field gives way to what the rotor is faster than the demand, until it brakes.
 //! - What is kept back for good is left out of every demand that follows.
@@ -23,7 +23,7 @@ use crate::transform;
 /// Parts of a count.
 const PARTS: f32 = 65_536.0;
 
-/// So fast the field goes to where the rotor is as it was to be at rest, in 1/s.
+/// The rate at which the field takes away the lead that is left at rest, in 1/s.
 const TRIM: f32 = 30.0;
 
 /// Full steps of an electrical rad.
@@ -32,7 +32,7 @@ const ARC: f32 = core::f32::consts::FRAC_2_PI;
 /// What becomes of a lead beyond the bound.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Beyond {
-    /// It is told, and nothing is done: supervised.
+    /// The lead is reported, and nothing else happens: supervised.
     Reported,
     /// The field waits; what it is behind the demand is made up while the demand is at rest.
     MadeUpAtRest,
@@ -49,9 +49,9 @@ pub struct StepperConfig {
     pub beyond: Beyond,
     /// The greatest lead in full steps, 1.1 to 1.7.
     pub bound: f32,
-    /// With so many full steps/s what was held back is made up, beside the demand's own speed.
+    /// The speed with which steps that were held back are made up, beside the demand's own, in full steps/s.
     pub speed: f32,
-    /// The fastest that both together go, in full steps/s.
+    /// The greatest speed of both together, in full steps/s.
     pub max_speed: f32,
     /// The whole current, in A.
     pub current: f32,
@@ -125,7 +125,7 @@ pub struct Stepper {
     /// The share of what is left of the lead at rest that a period adds to the field, and what it has added, in parts of a count.
     trims: f32,
     trim: i64,
-    /// By so many parts the field gives way for an electrical rad/s.
+    /// How far the field gives way for an electrical rad/s, in parts of a count.
     damping: f32,
     fades: f32,
     behind: i64,
@@ -181,7 +181,7 @@ impl Stepper {
         })
     }
 
-    /// The same as another one is held, while it goes on.
+    /// Takes over the state of `before`, which this one replaces while the motor is held.
     pub fn go_on_from(&mut self, before: &Self) {
         self.trim = before.trim;
         self.behind = before.behind;
@@ -191,7 +191,7 @@ impl Stepper {
         self.is_beyond = before.is_beyond;
     }
 
-    /// The field is where it is demanded, and nothing is behind.
+    /// Puts the field where it is demanded, with nothing held back.
     pub fn reset(&mut self) {
         self.behind = 0;
         self.trim = 0;

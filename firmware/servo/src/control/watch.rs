@@ -7,20 +7,20 @@ use crate::number::{between, fade, is_within, root};
 use crate::protection::{Blocked, PhaseLoss};
 use crate::transform::{Rotor, Stator};
 
-/// The share of the rated voltage of the winding above which what the model does not know is an encoder that is wrong.
+/// An unknown voltage above this share of the rated voltage of the winding shows that the encoder is wrong.
 const UNKNOWN: f32 = 0.35;
 
-/// How long what the model does not know is borne, in s.
+/// How long such a voltage is tolerated, in s.
 const ASTRAY: f32 = 5e-3;
 
-/// The share of the rated current that the currents of the phases may add up to, and for how long, in s.
+/// How large the sum of the phase currents may be, as a share of the rated current, and for how long it may be larger, in s.
 const ADDED_UP: (f32, f32) = (0.2, 2e-3);
 
-/// A reading that has stood still for so long, in s, within this share of the rated current, while it is this share away from what is asked and this
-/// share of the bus acts beside the model, is none.
+/// When the reading of a phase current counts as frozen: for so long, in s, it has changed by less than this share of the rated current, though it
+/// was this share away from the demand, and the unknown voltage was this share of the bus.
 const STILL: (f32, f32, f32, f32) = (0.4e-3, 0.01, 0.05, 0.25);
 
-/// The share of the rated current above which a reading that stands still is that of a sensor, and not of a phase that carries nothing.
+/// Above this share of the rated current a frozen reading is the fault of a sensor, below it a phase that carries nothing.
 const NOTHING: f32 = 0.03;
 
 /// See the module.
@@ -31,13 +31,13 @@ pub(super) struct Watch {
     max_speed: f32,
     blocked: Blocked,
     phase_loss: PhaseLoss,
-    /// How long the model has not known what it sees, in s.
+    /// For how long the unknown voltage has been too large, in s.
     astray: f32,
-    /// Where the reading of a phase stands still, and for how long, in s.
+    /// The frozen reading of each phase, and for how long it has been so, in s.
     still: [(f32, f32); 3],
-    /// How long the currents of the phases have not added up to nothing, in s.
+    /// For how long the sum of the phase currents has been too large, in s.
     unequal: f32,
-    /// What the current loop has had the time to reach of what was asked of it.
+    /// The current that the loop should have reached by now.
     due: Rotor,
 }
 

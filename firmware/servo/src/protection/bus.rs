@@ -37,7 +37,7 @@ impl Bus {
 
     /// The bus has this voltage. Gives whether the chopper is to be on.
     pub fn run(&mut self, voltage: f32) -> bool {
-        // What is no number is no reason to burn.
+        // NaN is no reason to burn.
         self.chops = voltage >= self.chop_from || (self.chops && voltage > self.chop_until);
         self.chops
     }
@@ -54,7 +54,7 @@ impl Bus {
         voltage < SUNK * self.chop_until
     }
 
-    /// The share of a braking current that is left on this bus, 0 to 1. What is no number leaves none.
+    /// The share of a braking current that is left on this bus, 0 to 1. NaN leaves none.
     pub fn braking(&self, voltage: f32) -> f32 {
         let share = (self.brake_until - voltage) / (self.brake_until - self.chop_from);
         between(share, 0.0, 1.0)

@@ -20,7 +20,7 @@ impl Derating {
         is_one.then_some(Self { from, to }).ok_or(Implausible)
     }
 
-    /// The share of the current at this temperature, 0 to 1. What is no number leaves none.
+    /// The share of the current at this temperature, 0 to 1. NaN leaves none.
     pub fn share(&self, temperature: f32) -> f32 {
         between((self.to - temperature) / (self.to - self.from), 0.0, 1.0)
     }

@@ -43,7 +43,7 @@ impl Thermal {
 
     /// A period with this square of the current has passed, in A². Gives the greatest current for the next, in A.
     pub fn run(&mut self, square: f32) -> f32 {
-        // A square that is no number is the worst.
+        // A square that is NaN is the worst.
         let square = if is_within(square, 0.0, 1e8) {
             square
         } else {

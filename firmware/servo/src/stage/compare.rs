@@ -26,13 +26,13 @@ impl Counter {
         Self { top }
     }
 
-    /// That of a half bridge with a width from 0 to 1. What is no number is 0.
+    /// That of a half bridge with a width from 0 to 1. NaN is 0.
     #[inline]
     pub fn half_bridge(&self, width: f32) -> u16 {
         (between(width, 0.0, 1.0) * f32::from(self.top) + 0.5) as u16
     }
 
-    /// Those of the two sides of a full bridge with a width from −1 to 1: half of it more on one, half less on the other. What is no number is 0.
+    /// Those of the two sides of a full bridge with a width from −1 to 1: half of it more on one, half less on the other. NaN is 0.
     #[inline]
     pub fn full_bridge(&self, width: f32) -> [u16; 2] {
         let half = 0.5 * between(width, -1.0, 1.0);

@@ -42,12 +42,17 @@ const LOOKED_AT: u16 = 400;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Stage {
+    /// The voltage rises until a current flows.
     Rise,
+    /// The current is held at half of what is allowed, and looked at.
     Half,
+    /// The same with all that is allowed.
     Whole,
     /// Back at the half, the current settles.
     Back,
+    /// A square wave of voltage along the magnet.
     Along,
+    /// The same across the magnet.
     Across,
 }
 
