@@ -88,7 +88,7 @@ impl Hmt {
     fn stepper<D: Dictionary>(&self, dictionary: &D, is_enabled: bool) -> StepperSettings {
         let configuration = number(dictionary, 0x2702, 0);
         let corrects = number(dictionary, 0x2221, 1) != 0;
-        let way = match (is_enabled, configuration & 3) {
+        let mode = match (is_enabled, configuration & 3) {
             (false, _) if corrects => 2,
             (false, _) => 1,
             (true, 0 | 1) => 4,
@@ -112,7 +112,7 @@ impl Hmt {
         };
         let word = |number: i64| u16::try_from(number).unwrap_or(u16::MAX);
         StepperSettings {
-            way,
+            mode,
             bound: 110 + 20 * word(configuration >> 5 & 3),
             speed: word((made_up / MICROSTEPS).max(1)),
             current: word(current.max(20)),

@@ -67,18 +67,18 @@ impl ClosedLoop {
     /// 6060h was written.
     pub(super) fn choose<D: Dictionary>(&mut self, dictionary: &D) {
         let mode = number(dictionary, 0x6060, 0);
-        let way = match mode {
+        let distance = match mode {
             TEST_RUN => 500,
             SHORT_RUN => 100,
             _ => 0,
         };
-        let run = if way == 0 { 0 } else { mode };
+        let run = if distance == 0 { 0 } else { mode };
         if run != self.run {
-            self.request = Some(match way {
+            self.request = Some(match distance {
                 0 => Request::End,
                 _ => Request::Motor {
                     current: 800,
-                    way,
+                    distance,
                     bandwidth: 0,
                 },
             });
@@ -268,7 +268,7 @@ impl ClosedLoop {
             && matches!(number(dictionary, 0x6098, 0), -3 | -2);
         let run = if is_homing && block != 0 { block } else { run };
         StepperSettings {
-            way: match (self.is_on || self.run != 0, self.corrects) {
+            mode: match (self.is_on || self.run != 0, self.corrects) {
                 (true, _) => 0,
                 (false, true) => 2,
                 (false, false) => 1,

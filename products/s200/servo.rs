@@ -84,7 +84,7 @@ impl Servo {
             (0x351E, 1) => {
                 self.request = Some(Request::Motor {
                     current: 800,
-                    way: 500,
+                    distance: 500,
                     bandwidth: 0,
                 });
                 self.is_tuning = true;

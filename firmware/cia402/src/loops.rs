@@ -50,7 +50,7 @@ pub struct StepperSettings {
     /// 20C4h:1: 0 field-oriented control. As a stepper: 1, a lead beyond the bound is reported only; 2 to 4, the field is held at the
     /// bound, and the steps that it falls behind are made up at rest (2), at once (3), or not at all (4). Taken over while the power is
     /// off.
-    pub way: u8,
+    pub mode: u8,
     /// 20C4h:2: the bound of the lead, in hundredths of a full step.
     pub bound: u16,
     /// 20C4h:3: the velocity with which steps are made up, in full steps/s.
@@ -81,7 +81,7 @@ impl ServoSettings {
         learning: 0,
         filters: [0; 4],
         stepper: StepperSettings {
-            way: 0,
+            mode: 0,
             bound: 0,
             speed: 0,
             current: 0,
@@ -102,7 +102,7 @@ pub enum Request {
         /// 20C0h:2.
         current: u16,
         /// 20C0h:3.
-        way: u16,
+        distance: u16,
         /// 20C0h:4.
         bandwidth: u16,
     },
@@ -116,7 +116,7 @@ pub enum Request {
         /// 20C0h:8.
         time: u16,
         /// 20C0h:3.
-        way: u16,
+        distance: u16,
     },
     /// Nothing any more.
     End,

@@ -118,7 +118,7 @@ pub struct Stepper {
     /// The bound, in parts of a count.
     bound: i64,
     /// What a speed of an electrical rad/s makes of a period, in parts of a count.
-    way: f32,
+    counts_per_speed: f32,
     /// What is made up, and the fastest, in electrical rad/s.
     made_up: f32,
     max_speed: f32,
@@ -166,7 +166,7 @@ impl Stepper {
                 .cast_signed(),
             full_steps: 1.0 / full_step,
             bound: (config.bound * full_step) as i64,
-            way: period * full_step * ARC,
+            counts_per_speed: period * full_step * ARC,
             made_up: config.speed / ARC,
             max_speed: config.max_speed / ARC,
             trims: TRIM * period,
@@ -287,7 +287,7 @@ impl Stepper {
             demand.speed
         };
         let speed = between(self.max_speed - toward, 0.0, self.made_up);
-        let max = ((speed * self.way) as i64).max(1);
+        let max = ((speed * self.counts_per_speed) as i64).max(1);
         let back = within(self.behind, max);
         self.behind = self.behind.saturating_sub(back);
         if back.saturating_abs() == max {

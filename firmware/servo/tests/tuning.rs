@@ -148,7 +148,7 @@ fn setup(data: &PlantData, current: f64, rated: f64) -> Setup {
             1.25 * data.supply.voltage as f32,
         ),
         modulation: modulation(data, wiring),
-        way: 0.5,
+        distance: 0.5,
         max_speed: 400.0,
     }
 }

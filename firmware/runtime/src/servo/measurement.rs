@@ -79,7 +79,7 @@ pub(super) struct Measurement {
     bandwidth: u16,
     /// Where the encoder was as it began, and how far from there a sine may move the rotor, in counts.
     begin: i64,
-    way: u64,
+    distance: u64,
 }
 
 impl Loops {
@@ -121,7 +121,7 @@ impl Loops {
             }
             let _ = self.control.set_blocked(gains.blocked());
         }
-        let is_stepper = settings.stepper.way != 0 && self.settings.stepper.way != 0;
+        let is_stepper = settings.stepper.mode != 0 && self.settings.stepper.mode != 0;
         let is_at_once = settings.stepper.is_at_once;
         let is_other = settings.stepper != self.settings.stepper;
         if is_other && (!self.is_on || is_at_once && !is_stepper) {
@@ -177,18 +177,18 @@ impl Loops {
             _ if !self.is_on || self.fault.is_some() => Err(Implausible),
             Request::Motor {
                 current,
-                way,
+                distance,
                 bandwidth,
             } => {
                 self.measurement.bandwidth = bandwidth;
-                self.begin_measuring(current, way)
+                self.begin_measuring(current, distance)
             }
             Request::Chirp {
                 torque,
                 frequencies,
                 time,
-                way,
-            } => self.begin_chirp(torque, frequencies, time, way),
+                distance,
+            } => self.begin_chirp(torque, frequencies, time, distance),
         };
         match begun {
             Ok(work) => self.measurement.work = work,
@@ -196,7 +196,7 @@ impl Loops {
         }
     }
 
-    fn begin_measuring(&mut self, current: u16, way: u16) -> Result<Work, Implausible> {
+    fn begin_measuring(&mut self, current: u16, distance: u16) -> Result<Work, Implausible> {
         let config = config(&self.data);
         let setup = Setup {
             wiring: self.motor.wiring,
@@ -206,7 +206,7 @@ impl Loops {
             trip: config.trip,
             bus: config.bus,
             modulation: modulation(&self.data)?,
-            way: f32::from(way) * 1e-3,
+            distance: f32::from(distance) * 1e-3,
             max_speed: self.data.max_speed(),
         };
         Tuning::new(setup)?;
@@ -219,13 +219,13 @@ impl Loops {
         torque: u16,
         (first, last): (u16, u16),
         time: u16,
-        way: u16,
+        distance: u16,
     ) -> Result<Work, Implausible> {
         let current = f32::from(torque) * 1e-3 * self.motor.rated_current;
         let frequencies = (f32::from(first) * 0.1, f32::from(last) * 0.1);
         let period = self.data.control_period();
         let chirp = Chirp::new(current, frequencies, f32::from(time) * 1e-3, period)?;
-        self.measurement.way = u64::from(way) * u64::from(self.motor.counts) / 1_000;
+        self.measurement.distance = u64::from(distance) * u64::from(self.motor.counts) / 1_000;
         self.measurement.found.state = 1;
         Ok(Work::Waits(Wish::Chirp(chirp)))
     }
@@ -332,7 +332,7 @@ impl Loops {
         let away = self.position().abs_diff(self.measurement.begin);
         if !is_free {
             self.end_measurement(Ending::Demand);
-        } else if away > self.measurement.way {
+        } else if away > self.measurement.distance {
             self.end_measurement(Ending::TooFar);
         } else if !self.control.is_excited() {
             self.end_excitation();

@@ -361,7 +361,7 @@ impl Loops {
     /// four full steps at a time. Of anything else its following error tells.
     pub fn position_tolerance(&self) -> u32 {
         let four_steps = self.motor.counts / u32::from(self.motor.pole_pairs).max(1);
-        match self.settings.stepper.way {
+        match self.settings.stepper.mode {
             1 => four_steps * 5 / 8,
             _ => i32::MAX.unsigned_abs(),
         }

@@ -27,7 +27,7 @@ impl ServoObjects {
             share: word(0x60F6, 1),
             filters: [1, 2, 3, 4].map(|sub| word(0x20C3, sub)),
             stepper: StepperSettings {
-                way: byte(0x20C4, 1),
+                mode: byte(0x20C4, 1),
                 bound: word(0x20C4, 2),
                 speed: word(0x20C4, 3),
                 current: word(0x20C4, 4),
@@ -47,14 +47,14 @@ impl ServoObjects {
         let request = match command {
             1 => Request::Motor {
                 current: word(0x20C0, 2),
-                way: word(0x20C0, 3),
+                distance: word(0x20C0, 3),
                 bandwidth: word(0x20C0, 4),
             },
             2 => Request::Chirp {
                 torque: word(0x20C0, 5),
                 frequencies: (word(0x20C0, 6), word(0x20C0, 7)),
                 time: word(0x20C0, 8),
-                way: word(0x20C0, 3),
+                distance: word(0x20C0, 3),
             },
             _ => Request::End,
         };

@@ -21,7 +21,7 @@ pub(super) trait StepperLoops {
 
 impl StepperLoops for StepperSettings {
     fn config(&self, data: &ServoData, motor: &Motor) -> Option<StepperConfig> {
-        let beyond = match self.way {
+        let beyond = match self.mode {
             1 => Beyond::Reported,
             2 => Beyond::MadeUpAtRest,
             3 => Beyond::MadeUpAtOnce,

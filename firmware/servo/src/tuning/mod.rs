@@ -9,8 +9,8 @@
 //! Strokes   a torque one way and the other, until the rotor stands again: flux, inertia, friction
 //! ```
 //!
-//! The current stays within [`Setup::current`], the way of the rotor within an electrical turn and a tenth of a turn of the motor while the field turns it, and within
-//! [`Setup::way`] for each stroke. A motor that lifts something is not for this: nothing holds its load between the strokes.
+//! The current stays within [`Setup::current`], the travel of the rotor within an electrical turn and a tenth of a turn of the motor while the field turns it, and within
+//! [`Setup::distance`] for each stroke. A motor that lifts something is not for this: nothing holds its load between the strokes.
 
 mod chirp;
 mod strokes;
@@ -46,7 +46,7 @@ pub struct Setup {
     /// The power stage.
     pub modulation: Modulation,
     /// How far the rotor may go in a stroke, in turns of the motor.
-    pub way: f32,
+    pub distance: f32,
     /// How fast it may become, in rad/s.
     pub max_speed: f32,
 }
@@ -105,7 +105,7 @@ pub enum Failure {
     Winding,
     /// The encoder does not see that the field turns the rotor.
     NotFollowed,
-    /// The way of the encoder is no whole number of pole pairs.
+    /// The travel of the encoder is no whole number of pole pairs.
     PolePairs,
     /// The current does not move the rotor.
     Held,
@@ -167,7 +167,7 @@ impl Tuning {
     ///
     /// # Errors
     /// With counts outside 16 to 2²⁴, a period outside 5 µs to 1 ms, a current outside 1 mA to the trip or a trip above 10 kA, a bus below 1 V or above 2 kV,
-    /// a way outside a hundredth of a turn to ten turns, or a speed outside 1 to 10⁴ rad/s.
+    /// a distance outside a hundredth of a turn to ten turns, or a speed outside 1 to 10⁴ rad/s.
     pub fn new(setup: Setup) -> Result<Self, Implausible> {
         let is_one = (16..=1 << 24).contains(&setup.counts)
             && is_within(setup.period, 5e-6, 1e-3)
@@ -175,7 +175,7 @@ impl Tuning {
             && is_within(setup.trip, 1e-3, 1e4)
             && is_within(setup.bus.0, 1.0, setup.bus.1)
             && is_within(setup.bus.1, 1.0, 2e3)
-            && is_within(setup.way, 0.01, 10.0)
+            && is_within(setup.distance, 0.01, 10.0)
             && is_within(setup.max_speed, 1.0, 1e4);
         let tuning = Self {
             setup,

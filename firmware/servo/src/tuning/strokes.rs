@@ -82,8 +82,8 @@ struct Line {
 }
 
 impl Line {
-    fn add(&mut self, sums: &Sums, way: f32) {
-        let by = 1.0 / way;
+    fn add(&mut self, sums: &Sums, distance: f32) {
+        let by = 1.0 / distance;
         let (u, w) = (0.5 * sums.time * sums.time * by, sums.twice * by);
         self.count += 1.0;
         self.u += u;
@@ -198,21 +198,21 @@ impl Strokes {
             self.square += speed * speed;
         }
         self.sums.add(sign * current.q, setup.period);
-        let way = self.way();
-        if way > self.furthest {
-            self.furthest = way;
+        let distance = self.distance();
+        if distance > self.furthest {
+            self.furthest = distance;
             self.reached = self.sums.time;
             self.stood = self.sums;
         }
-        if way >= self.furthest {
+        if distance >= self.furthest {
             self.left = self.sums.time;
         }
-        let max = setup.way * setup.counts as f32;
-        if way.unsigned_abs() as f32 > 1.2 * max {
+        let max = setup.distance * setup.counts as f32;
+        if distance.unsigned_abs() as f32 > 1.2 * max {
             return Err(Failure::TooFar);
         }
         if self.brakes {
-            if way < self.furthest - BACK {
+            if distance < self.furthest - BACK {
                 if self.end_stroke(setup, sign * current.q, measured)? {
                     return Ok(Next::Finished);
                 }
@@ -222,15 +222,15 @@ impl Strokes {
             }
         } else {
             let turns = self.observer.speed().abs() / f32::from(measured.pole_pairs.max(1));
-            let is_moved = way as f32 > MOVED * setup.counts as f32;
+            let is_moved = distance as f32 > MOVED * setup.counts as f32;
             let needed = self.current.voltage();
             let has_most =
                 needed.square() > square(VOLTAGE * setup.modulation.max_voltage(seen.bus));
             let is_fast = has_most || turns > 0.5 * setup.max_speed;
-            if is_moved && (is_fast || way as f32 > 0.5 * max) {
+            if is_moved && (is_fast || distance as f32 > 0.5 * max) {
                 self.brakes = true;
                 self.settled = 0;
-                self.turned = (self.sums, way);
+                self.turned = (self.sums, distance);
             } else if (!is_moved && self.sums.time > HELD) || self.sums.time > LONGEST {
                 self.grow(setup)?;
             }
@@ -239,12 +239,12 @@ impl Strokes {
     }
 
     /// In counts, forward in the direction of the stroke.
-    fn way(&self) -> i64 {
-        let way = self.encoder.position().wrapping_sub(self.begin);
+    fn distance(&self) -> i64 {
+        let distance = self.encoder.position().wrapping_sub(self.begin);
         if self.is_forward {
-            way
+            distance
         } else {
-            way.wrapping_neg()
+            distance.wrapping_neg()
         }
     }
 
@@ -256,7 +256,7 @@ impl Strokes {
         }
         self.level = least(self.level * GROWTH, max);
         // What has gone one way comes back.
-        self.is_forward ^= self.way() > 0;
+        self.is_forward ^= self.distance() > 0;
         self.counts = false;
         self.brakes = false;
         self.begin = self.encoder.position();
@@ -275,8 +275,8 @@ impl Strokes {
         measured: &mut Measured,
     ) -> Result<bool, Failure> {
         if self.counts {
-            let (turned, way) = self.turned;
-            self.line.add(&turned, way as f32 * self.count);
+            let (turned, distance) = self.turned;
+            self.line.add(&turned, distance as f32 * self.count);
             self.line
                 .add(&self.stood, self.furthest as f32 * self.count);
             self.done += 1;

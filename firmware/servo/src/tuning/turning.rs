@@ -96,14 +96,14 @@ impl Turning {
         position: i32,
         measured: &mut Measured,
     ) -> Result<Next, Failure> {
-        let way = self.to - self.from;
-        let turn = way.abs() * TURN;
+        let distance = self.to - self.from;
+        let turn = distance.abs() * TURN;
         let span = self.slow * if turn > SHORTEST { turn } else { SHORTEST };
         self.time += setup.period;
         let part = limit(self.time / span, 1.0);
-        let turned = self.from + way * part * part * (3.0 - 2.0 * part);
+        let turned = self.from + distance * part * part * (3.0 - 2.0 * part);
         let speed = if part < 1.0 {
-            6.0 * part * (1.0 - part) * way / span * core::f32::consts::TAU
+            6.0 * part * (1.0 - part) * distance / span * core::f32::consts::TAU
         } else {
             0.0
         };

@@ -59,7 +59,7 @@ struct Rig {
 
 /// A stepper as it is by itself.
 const STEPPER: StepperSettings = StepperSettings {
-    way: 0,
+    mode: 0,
     bound: 150,
     speed: 1_000,
     current: 1_000,
@@ -152,7 +152,14 @@ fn whatever_breaks_ends_the_current_and_the_motion() {
             (1, _) if (moment / 4) % 6 == 5 => 3,
             (way, _) => way as u8,
         };
-        let mut rig = Rig::stepper(data, moment, StepperSettings { way, ..STEPPER });
+        let mut rig = Rig::stepper(
+            data,
+            moment,
+            StepperSettings {
+                mode: way,
+                ..STEPPER
+            },
+        );
         let fastest = f64::from(data.speed) / 60.0 * f64::from(data.plant.sensors.counts);
         let sign = if random(-1.0, 1.0) < 0.0 { -1.0 } else { 1.0 };
         let wanted = sign * fastest * random(0.15, 0.7);

@@ -160,7 +160,7 @@ fn tuned(wiring: Wiring, modulation: Modulation) -> Result<(), Implausible> {
         trip: number(),
         bus: (number(), number()),
         modulation,
-        way: number(),
+        distance: number(),
         max_speed: number(),
     })?;
     let frequencies = (number(), number());

@@ -36,7 +36,7 @@ fn no_load_profile_costs_a_step() {
     for profile in 0..profiles() {
         let data = AXES[(profile % 2) as usize];
         let settings = StepperSettings {
-            way: if random(0.0, 1.0) < 0.5 { 2 } else { 3 },
+            mode: if random(0.0, 1.0) < 0.5 { 2 } else { 3 },
             bound: random(110.0, 171.0) as u16,
             speed: random(200.0, 3_000.0) as u16,
             current: random(500.0, 1_400.0) as u16,
