@@ -312,7 +312,7 @@ impl Path {
             velocity: last.velocity(),
         };
         let mut polynomial = Polynomial::line(self.rest, from);
-        // The time for which it goes on is two segments of time.
+        // The time for which it goes on is two time slices.
         polynomial.advance_by(low::u32(t.saturating_sub(last.polynomial.end)));
         Some(polynomial)
     }
