@@ -398,6 +398,7 @@ impl Behaviour for Module {
         report: &LoopReport,
         settings: &mut ServoSettings,
     ) -> Option<Request> {
+        self.requests.configuration |= self.servo.take_motor(dictionary, report);
         let request = self.servo.loops(dictionary, report, settings);
         self.requests.commands |= self.servo.fault().is_some();
         request

@@ -174,7 +174,6 @@ impl Servo {
         report: &LoopReport,
         settings: &mut ServoSettings,
     ) -> Option<Request> {
-        self.take_motor(dictionary, report);
         self.show(dictionary, report);
         let has_bound = number(dictionary, 0x3B7F, 1) == 1;
         self.is_spent |= has_bound && report.heat >= 990 && report.is_on;
@@ -220,6 +219,8 @@ impl Servo {
             (0x355D, along),
             (0x3B89, across),
             (0x3B8A, along),
+            // ESPEED.
+            (0x3675, told.most_speed.into()),
         ] {
             put_number(dictionary, index, 1, value);
         }
@@ -239,12 +240,10 @@ impl Servo {
         );
     }
 
-    /// MNUMBER: the data of a motor that the drive knows.
-    fn take_motor<D: Dictionary>(&mut self, dictionary: &mut D, report: &LoopReport) {
-        // ESPEED.
-        put_number(dictionary, 0x3675, 1, report.max_speed.into());
+    /// MNUMBER: the data of a motor that the drive knows. Returns whether they were taken.
+    pub(super) fn take_motor<D: Dictionary>(&mut self, dictionary: &mut D, report: &LoopReport) -> bool {
         if !core::mem::take(&mut self.is_chosen) || number(dictionary, 0x3599, 1) != KNOWN_MOTOR {
-            return;
+            return false;
         }
         let [_, _, across, ..] = report.own_motor.map(i64::from);
         for (index, value) in [
@@ -264,6 +263,7 @@ impl Servo {
         }
         put_number(dictionary, 0x6080, 0, report.max_speed.into());
         Self::limit_speed(dictionary);
+        true
     }
 
     /// VCOMM: the motor runs against its current, and ever faster.

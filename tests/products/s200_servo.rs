@@ -427,6 +427,23 @@ fn the_s200_knows_a_motor_by_its_number() {
     assert_eq!(answer[0], 0x80, "it knows no such motor");
 }
 
+/// What MNUMBER writes into 6080h counts at once, and not from the next write of something else on.
+#[test]
+fn the_number_of_a_motor_gives_the_s200_its_greatest_speed() {
+    let mut bench = enabled(s200(), 3);
+    number(&mut bench, 0x6083, 0, 6_553_600);
+    number(&mut bench, 0x60FF, 0, 655_360);
+    number(&mut bench, 0x6080, 0, 300);
+    bench.run(500);
+    let runs = speed(&mut bench);
+    assert!((runs / 300.0 - 1.0).abs() < 0.02, "{runs}");
+    set(&mut bench, 0x3599, 1);
+    bench.run(500);
+    assert_eq!(bench.read(NODE, 0x6080, 0), 3_000);
+    let runs = speed(&mut bench);
+    assert!((runs / 600.0 - 1.0).abs() < 0.02, "{runs}");
+}
+
 #[test]
 fn the_s200_turns_no_faster_than_its_feedback_can_tell() {
     let mut bench = s200();
