@@ -4,7 +4,7 @@
 //! that the axis has, which the defaults of 2002h stand for; the amplitude of a phase is the current that percents
 //! are of, 7.5 A; a peak current is borne for the time of 2004h:14 in ms; the index was seen when the motor has gone a turn; without the
 //! loop the motor is a supervised stepper, and a
-//! correction travel makes up what was lost.
+//! correction travel makes up what was lost. The digits of 2004h:12 are sectors by the table of type 1, and the default is the order of the axis.
 
 use canopen::od::Dictionary;
 use cia402::behaviour::{number, put_number};
@@ -24,6 +24,9 @@ const QUARTER: i64 = 16_384;
 
 /// Ticks before a test run.
 const SETTLES: u8 = 50;
+
+/// The words of the Hall sensors in the sectors 0 to 5, by the table of type 1: H1 is bit 0.
+const HALL_SECTORS: [u8; 6] = [3, 1, 4, 2, 6, 5];
 
 const VELOCITY: i64 = 2;
 const HOMING: i64 = 6;
@@ -112,6 +115,7 @@ impl ClosedLoop {
         settings.pole_pairs = if is_stepper { word(pairs) } else { 0 };
         settings.offset = word(number(dictionary, 0x200B, 0));
         settings.is_turned = number(dictionary, 0x200D, 0) == 1;
+        settings.hall = hall_order(number(dictionary, 0x2004, 12)).unwrap_or_default();
         settings.lead = lead(dictionary, report);
         settings.gains = self.gains(dictionary, report);
         (settings.share, settings.learning) = current_gains(dictionary, report);
@@ -281,6 +285,22 @@ impl ClosedLoop {
             is_at_once: true,
         }
     }
+}
+
+/// The words of the Hall sensors in their order, from six sectors as hexadecimal digits, the highest first; each sector comes once.
+pub(super) fn hall_order(digits: i64) -> Option<[u8; 6]> {
+    // The default lists them against the direction of the axis, from its fifth word on.
+    let words = [4, 8, 12, 16, 20, 0].map(|shift| {
+        let sector = usize::try_from(digits >> shift & 0xF).ok()?;
+        HALL_SECTORS.get(sector).copied()
+    });
+    let mut order = [0; 6];
+    let mut seen = 0_u8;
+    for (place, word) in order.iter_mut().zip(words) {
+        *place = word?;
+        seen |= 1 << *place;
+    }
+    (seen == 0b0111_1110 && digits >> 24 == 0).then_some(order)
 }
 
 fn word(number: i64) -> u16 {

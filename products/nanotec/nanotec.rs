@@ -13,7 +13,7 @@ use cia402::loops::{LoopReport, Request, ServoSettings};
 use cia402::units::Units;
 use cia402::{Objects, State};
 
-use closed_loop::{ClosedLoop, WINDOW};
+use closed_loop::{ClosedLoop, WINDOW, hall_order};
 use inputs::{Debounce, Trigger};
 
 /// Objects of our own, which parameters of the drive are read from.
@@ -194,6 +194,7 @@ impl Behaviour for Module {
         match (entry.index, entry.sub) {
             // A bit without an output voids the whole mask.
             (0x60FE, 2) if value & !OUTPUTS != 0 => Err(AbortCode::InvalidValue),
+            (0x2004, 12) if hall_order(value).is_none() => Err(AbortCode::InvalidValue),
             (0x6085, _) if value == 0 => Err(AbortCode::ValueTooLow),
             _ => Ok(()),
         }

@@ -3,7 +3,7 @@
 //! The manual gives no units. Chosen here: currents are the amplitude of a phase in mA; ML µH, MKT mN·m/A, DPoles poles, MPHASE,
 //! CommOffset, MTANGLP and MVANGLF electrical
 //! degrees, MVANGLB and VCOMM 1/min; the motor of the axis has number 1, and 0 is one whose data are written; ITMode 1 makes a fault of
-//! spent I²t; KVP and KPP 1/s, KVI Hz, KVFF, KTFF and MLGQ thousandths, MLGC, MLGP and MLGD thousandths of that, I2TLIM percent; ISCALE1 mA
+//! spent I²t; CommMode 0 goes by the sensors of the axis, 1 by the encoder alone, so that the magnet is looked for; KVP and KPP 1/s, KVI Hz, KVFF, KTFF and MLGQ thousandths, MLGC, MLGP and MLGD thousandths of that, I2TLIM percent; ISCALE1 mA
 //! at 10 V. Of motor data and gains 0 is what the axis has.
 
 use canopen::cia301::sdo::AbortCode;
@@ -72,7 +72,7 @@ impl Servo {
         let is_known = match (entry.index, entry.sub) {
             (0x3599, 1) => (0..=KNOWN_MOTOR).contains(&value),
             (0x35A6, 1) => (0..=SYNCHRONOUS).contains(&value),
-            (0x362C | 0x3900 | 0x3B7F, 1) => (0..=1).contains(&value),
+            (0x362C | 0x38F8 | 0x3900 | 0x3B7F, 1) => (0..=1).contains(&value),
             _ => true,
         };
         is_known.then_some(()).ok_or(AbortCode::InvalidValue)
@@ -191,6 +191,7 @@ impl Servo {
         let flux = of(0x3593).saturating_mul(2_000_000) / (3 * pairs).max(1);
         settings.motor = [0, inductance, inductance, long(flux), 0, 0];
         settings.offset = turned(of(0x359C) + of(0x38FD)).cast_unsigned();
+        settings.is_searched = of(0x38F8) == 1;
         settings.lead = lead(dictionary, report);
         // It knows no blocked rotor.
         settings.blocked = (0, 10);

@@ -277,6 +277,42 @@ fn a_nanotec_turns_a_motor_by_its_hall_sensors() {
     assert!(current(&mut bench).abs() < 0.05);
 }
 
+/// 2004h:12: a motor whose signals come in another order turns by that order, and by no other.
+#[test]
+fn the_order_of_the_hall_signals_is_that_of_the_nanotec() {
+    const DB57: u32 = 0x24_3015;
+    const DB42: u32 = 0x51_0342;
+    for (is_other, order, turns) in [
+        (false, DB57, true),
+        (true, DB42, true),
+        (true, DB57, false),
+        (false, DB42, false),
+    ] {
+        let mut bench = on_servo("nanotec", "servo_100w_hall");
+        plant(&mut bench).sensor_faults.other_hall = is_other;
+        bench.write(NODE, 0x2004, 7, &[1]);
+        bench.write(NODE, 0x2004, 1, &[40]);
+        number(&mut bench, 0x2004, 12, order);
+        bench.run(5);
+        let mut bench = enabled(bench, 4);
+        let before = rotor(&mut bench);
+        torque(&mut bench, 300);
+        bench.run(30);
+        let turned = rotor(&mut bench) - before;
+        let has_failed = statusword(&mut bench) & 1 << 3 != 0;
+        assert_eq!(turned > 50.0, turns, "{turned} by {order:X}h");
+        assert_eq!(has_failed, !turns, "{turned} by {order:X}h");
+    }
+    // A sector that is not there, one twice, and a seventh digit.
+    let mut bench = on_servo("nanotec", "servo_100w_hall");
+    for order in [0x24_3016_u32, 0x24_3014, 0x124_3015] {
+        let mut request = [0x23, 0x04, 0x20, 12, 0, 0, 0, 0];
+        request[4..].copy_from_slice(&order.to_le_bytes());
+        let answer = bench.sdo(NODE, request);
+        assert_eq!(answer[4..], 0x0609_0030_u32.to_le_bytes(), "{order:X}h");
+    }
+}
+
 #[test]
 fn the_pole_pairs_of_a_nanotec_count_with_the_next_power() {
     let mut bench = enabled(nanotec(ABSOLUTE, 1), 1);

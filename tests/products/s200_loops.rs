@@ -2,7 +2,7 @@
 
 use crate::bench::Bench;
 use crate::s200_servo::{RATED, enabled, get, held, rotor, s200, set, torque};
-use crate::steer::{NODE, begin, current, plant, position};
+use crate::steer::{NODE, begin, current, number, on_servo, plant, position};
 
 /// How far a load turns a rotor that stands, at most, and after 150 ms, in counts.
 fn yields(bench: &mut Bench) -> (f64, f64) {
@@ -93,6 +93,50 @@ fn the_s200_tells_that_nothing_goes_ahead() {
     bench.run(350);
     assert!(get(&mut bench, 0x35C5).abs() > 2_000, "it lags");
     assert_eq!(bench.read(NODE, 0x1002, 0) >> 22 & 1, 1);
+}
+
+/// CommMode: by the Hall sensors nothing moves before the torque; by the encoder alone the magnet is looked for, and a Hall sensor may say anything.
+#[test]
+fn the_commutation_of_the_s200_has_its_source() {
+    for (mode, is_searched) in [(0, false), (1, true)] {
+        let mut bench = on_servo("s200", "servo_100w_hall");
+        number(&mut bench, 0x6080, 0, 2_500);
+        set(&mut bench, 0x38F8, mode);
+        bench.run(5);
+        bench.write(NODE, 0x6060, 0, &[4]);
+        let from = rotor(&mut bench);
+        for controlword in [0x06_u8, 0x07, 0x0F] {
+            bench.write(NODE, 0x6040, 0, &[controlword, 0]);
+            bench.run(5);
+        }
+        let mut moved = 0.0_f64;
+        for _ in 0..1_000 {
+            bench.run(1);
+            moved = moved.max((rotor(&mut bench) - from).abs());
+        }
+        // A turn of the magnet is a quarter of one of the shaft.
+        let least = if is_searched { 1_000.0 } else { 0.0 };
+        let most = if is_searched { 16_384.0 } else { 50.0 };
+        assert!((least..=most).contains(&moved), "{mode}: {moved}");
+        for target in [200_i16, -200] {
+            let before = rotor(&mut bench);
+            torque(&mut bench, target);
+            bench.run(100);
+            let turned = (rotor(&mut bench) - before) * f64::from(target.signum());
+            assert!(turned > 500.0, "{mode}: {turned} by {target}");
+            torque(&mut bench, 0);
+            plant(&mut bench).load_brake = 0.2;
+            bench.run(500);
+            plant(&mut bench).load_brake = 0.0;
+        }
+        plant(&mut bench).sensor_faults.cut_hall = 0b111;
+        bench.run(20);
+        let word = bench.read(NODE, 0x6041, 0);
+        assert_eq!(word & 8 == 0, is_searched, "{mode}: {word:04X}h");
+    }
+    let mut bench = on_servo("s200", "servo_100w_hall");
+    let answer = bench.sdo(NODE, [0x23, 0xF8, 0x38, 1, 2, 0, 0, 0]);
+    assert_eq!(answer[0], 0x80, "it has no other source");
 }
 
 #[test]

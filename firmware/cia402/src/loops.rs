@@ -15,6 +15,11 @@ pub struct ServoSettings {
     pub offset: u16,
     /// The encoder counts the other way. Taken over while the power is off.
     pub is_turned: bool,
+    /// The words of the Hall sensors in the order in which the magnet passes them forward, from its angle 0 on; all 0 is that of the
+    /// axis. Taken over while the power is off.
+    pub hall: [u8; 6],
+    /// The magnet is looked for, whatever sensor tells where it is. Taken over while the power is off.
+    pub is_searched: bool,
     /// How much the current vector leads the flux beyond a quarter of an electrical turn, in turns of 2¹⁶.
     pub lead: i16,
     /// No current, whatever is ordered.
@@ -72,6 +77,8 @@ impl ServoSettings {
         pole_pairs: 0,
         offset: 0,
         is_turned: false,
+        hall: [0; 6],
+        is_searched: false,
         lead: 0,
         is_barred: false,
         ahead: (1_000, 1_000),

@@ -21,12 +21,26 @@ pub struct SensorFaults {
     pub cut_hall: u8,
     /// Those whose wires touch their supply read 1.
     pub high_hall: u8,
+    /// The Hall sensors are those of another motor: high for the other half of a turn, and with B and C exchanged.
+    pub other_hall: bool,
     /// The magnet of the absolute encoder has slipped by so much on the shaft, in rad.
     pub slipped_magnet: f64,
     /// The absolute encoder does not answer.
     pub line_is_broken: bool,
     /// The current sensor of this phase says this, in A, whatever flows.
     pub stuck_current: Option<(usize, f64)>,
+}
+
+impl SensorFaults {
+    fn of_hall(&self, word: u8) -> u8 {
+        let [a, b, c] = [0, 1, 2].map(|sensor| word >> sensor & 1);
+        let word = if self.other_hall {
+            0b111 ^ (a | c << 1 | b << 2)
+        } else {
+            word
+        };
+        word & !self.cut_hall | self.high_hall
+    }
 }
 
 /// What the sensors say.
@@ -118,7 +132,7 @@ impl Sensors {
             bus_voltage: 0.0,
             count: count(data, seen + jitter) - faults.lost_counts,
             index: index.map(|count| count - faults.lost_counts + faults.slipped_index),
-            hall: hall(angle * f64::from(pole_pairs)) & !faults.cut_hall | faults.high_hall,
+            hall: faults.of_hall(hall(angle * f64::from(pole_pairs))),
             word: (!faults.line_is_broken)
                 .then(|| word(data, seen + jitter + faults.slipped_magnet)),
         }

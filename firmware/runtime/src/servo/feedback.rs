@@ -1,11 +1,11 @@
 //! Sensors that know where the magnet is: Hall sensors beside the encoder, or an absolute encoder in its place.
 
 use servo::control::Fault;
-use servo::feedback::{Absolute, Hall};
+use servo::feedback::{Absolute, Commutation, Hall, hall};
 use servo::{Angle, Implausible, Motor};
 
-use super::Loops;
 use super::data::{Feedback, ServoData};
+use super::{Loops, ServoSettings};
 
 /// See the module.
 #[derive(Clone, Debug)]
@@ -60,7 +60,7 @@ impl Sensor {
         }
     }
 
-    /// The encoder counts otherwise, so its angle is none any more.
+    /// What they tell means something else, or the encoder counts otherwise, so its angle is none any more.
     pub(super) fn restart(&mut self) {
         if let Self::Hall(hall) = self {
             *hall = Hall::default();
@@ -79,17 +79,46 @@ impl Single {
     }
 }
 
+/// A Hall word as the axis has it, of one in the order of the settings. What is not in it is none.
+fn known(order: [u8; 6], word: u8) -> u8 {
+    if order == ServoSettings::NONE.hall {
+        return word;
+    }
+    let mut pairs = order.iter().zip(hall::ORDER);
+    let found = pairs.find(|(own, _)| **own == word);
+    found.map_or(0, |(_, known)| known)
+}
+
 impl Loops {
+    /// What the sensors beside the encoder mean, and whether they count.
+    pub(super) fn set_up_sensor(&mut self, settings: &ServoSettings) {
+        let told = |settings: &ServoSettings| (settings.hall, settings.is_searched);
+        if told(settings) == told(&self.settings) {
+            return;
+        }
+        (self.settings.hall, self.settings.is_searched) = told(settings);
+        self.sensor.restart();
+        if !matches!(self.sensor, Sensor::None) {
+            let current = self.motor.rated_current;
+            let search = Commutation::new(&self.motor, current, self.data.stage.period).ok();
+            self.search = search.filter(|_| settings.is_searched);
+        }
+    }
+
     /// What the Hall sensors A, B and C say in bits 0 to 2, before each [`Loops::period`] with [`Feedback::Hall`]. While there is power it is a fault that
     /// they all say the same, or another angle than the encoder.
     pub fn hall(&mut self, word: u8) {
-        let Sensor::Hall(hall) = &mut self.sensor else {
+        let Sensor::Hall(sensor) = &mut self.sensor else {
             return;
         };
+        if self.settings.is_searched {
+            return;
+        }
+        let word = known(self.settings.hall, word);
         let offset = Angle::from_bits(u32::from(self.settings.offset) << 16);
         let encoder = &mut self.interrupt.encoder;
         let before = encoder.angle();
-        match hall.look(word, before.minus(offset)) {
+        match sensor.look(word, before.minus(offset)) {
             Ok(None) => {}
             Ok(Some(angle)) => {
                 let angle = angle.plus(offset);
@@ -126,7 +155,7 @@ impl Loops {
         }
         single.first.get_or_insert(single.absolute.position());
         let timer = single.timer(counts);
-        if !single.is_aligned {
+        if !single.is_aligned && !self.settings.is_searched {
             single.is_aligned = true;
             single.absolute.set_pole_pairs(self.motor.pole_pairs);
             let told = single.absolute.angle();

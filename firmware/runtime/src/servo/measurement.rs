@@ -93,6 +93,8 @@ impl Loops {
             pole_pairs: self.settings.pole_pairs,
             offset: self.settings.offset,
             is_turned: self.settings.is_turned,
+            hall: self.settings.hall,
+            is_searched: self.settings.is_searched,
             stepper: self.settings.stepper,
             ..*settings
         };
@@ -137,6 +139,7 @@ impl Loops {
         }
         if !self.is_on {
             self.set_up_encoder(settings);
+            self.set_up_sensor(settings);
         }
         let motor = |settings: &ServoSettings| (settings.motor, settings.pole_pairs);
         if motor(settings) != motor(&self.settings) && !self.is_on {

@@ -15,22 +15,19 @@ const SECTOR: u32 = 715_827_883;
 /// How far the encoder may be from the middle of the sixth, in parts of 2³² of a turn: 70°. Until the first edge it is up to 60° away.
 const APART: u32 = 835_132_530;
 
+/// The words in the order in which the magnet passes them forward, from 0 on.
+pub const ORDER: [u8; 6] = [0b001, 0b011, 0b010, 0b110, 0b100, 0b101];
+
 /// The middle of the sixth in which the magnet is. It is at most 30° away.
 ///
 /// # Errors
 /// All say the same.
 pub fn angle(word: u8) -> Result<Angle, FeedbackFault> {
     // The sensors that are high are those next to the magnet.
-    let sixths = match word {
-        0b001 => 0,
-        0b011 => 1,
-        0b010 => 2,
-        0b110 => 3,
-        0b100 => 4,
-        0b101 => 5,
-        _ => return Err(FeedbackFault::Hall),
-    };
-    Ok(Angle::from_bits(SECTOR.wrapping_mul(sixths)))
+    let mut sixths = (0..).zip(ORDER);
+    let sixth = sixths.find(|(_, known)| *known == word);
+    let (sixth, _) = sixth.ok_or(FeedbackFault::Hall)?;
+    Ok(Angle::from_bits(SECTOR.wrapping_mul(sixth)))
 }
 
 /// Hall sensors beside an encoder.
