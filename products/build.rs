@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::{env, fs};
 
-use od_gen::Options;
+use od_gen::{BindingReport, Options};
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
@@ -20,14 +20,18 @@ fn main() {
     for name in &names {
         let sheet = format!("{name}/{name}.eds");
         od_gen::build(&sheet, &format!("{name}.rs"), Options::DRIVE);
-        let title = od_gen::read(Path::new(&sheet))
-            .map_or_else(|_| name.clone(), |model| model.device.product_name);
-        let path = folder.join(&sheet);
+        let sheet = Path::new(&sheet);
+        // What is wrong with them has ended the build.
+        let model = od_gen::read(sheet).expect("it was read before");
+        let bindings = BindingReport::beside(sheet, &model).expect("they were read before");
+        let axis = bindings.and_then(|report| report.bindings.axis);
+        let title = model.device.product_name;
+        let path = folder.join(sheet);
         modules += &format!(
             "/// {title}.\npub mod {name} {{\n    include!(concat!(env!(\"OUT_DIR\"), \"/{name}.rs\"));\n}}\n\n"
         );
         list += &format!(
-            "    Product {{ name: {name:?}, title: {title:?}, data_sheet: include_str!({path:?}) }},\n"
+            "    Product {{ name: {name:?}, title: {title:?}, data_sheet: include_str!({path:?}), axis: {axis:?} }},\n"
         );
         arms += &format!("        {name:?} => Some(visitor.visit::<{name}::Dictionary>()),\n");
     }

@@ -16,6 +16,8 @@ pub struct Product {
     pub title: &'static str,
     /// Its data sheet, an EDS.
     pub data_sheet: &'static str,
+    /// The ready axis of its virtual drive, if its binding names one.
+    pub axis: Option<&'static str>,
 }
 
 /// Does something with a dictionary that is chosen by name.

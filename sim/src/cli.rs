@@ -63,6 +63,9 @@ struct DemoArguments {
     /// The drive on a ready axis whose motor is moved by its current
     #[arg(long, value_name = "NAME", value_parser = axis())]
     axis: Option<ServoAxisData>,
+    /// The motor is moved by pulses, though the product has an axis of its own
+    #[arg(long, conflicts_with = "axis")]
+    pulses: bool,
 }
 
 #[derive(Debug, Args)]
@@ -102,6 +105,9 @@ struct ServeArguments {
     /// Be the drive on a ready axis whose motor is moved by its current: docs/servo.md
     #[arg(long, value_name = "NAME", value_parser = axis(), conflicts_with = "plant")]
     axis: Option<ServoAxisData>,
+    /// The motor is moved by pulses, though the product has an axis of its own
+    #[arg(long, conflicts_with = "axis")]
+    pulses: bool,
     /// Serial number (1018h:4), decimal or 0x and hexadecimal
     #[arg(long, value_name = "N", default_value = "1", value_parser = serial_number)]
     serial: u32,
@@ -168,7 +174,7 @@ fn run_demo(arguments: DemoArguments) -> ExitCode {
     let demo = Demo {
         node_id: arguments.node_id,
         product: arguments.product,
-        axis: arguments.axis,
+        axis: chosen_axis(arguments.axis, arguments.pulses, arguments.product),
         plot: arguments.plot,
     };
     conclude(demo::show(&demo, &mut standard_output::lock()))
@@ -204,6 +210,16 @@ fn conclude_plan(result: Result<(), plan::Problem>) -> ExitCode {
     }
 }
 
+/// The ready axis that was asked for, or that of the product.
+fn chosen_axis(
+    asked: Option<ServoAxisData>,
+    pulses: bool,
+    product: Option<Product>,
+) -> Option<ServoAxisData> {
+    let own = || product.filter(|_| !pulses).and_then(Product::axis);
+    asked.or_else(own)
+}
+
 /// What `serve` is to run.
 fn service(arguments: ServeArguments) -> Result<Service, String> {
     let flash = match &arguments.store {
@@ -231,10 +247,15 @@ fn service(arguments: ServeArguments) -> Result<Service, String> {
         None if arguments.unconfigured => NodeId::UNCONFIGURED,
         None => stored.node_id,
     };
-    let axis = match &arguments.axis {
-        Some(servo) if arguments.product.is_some() => Some(Axis::bare_servo(servo)),
-        Some(servo) => Some(Axis::servo(servo)),
-        None => arguments.plant.as_deref().map(Axis::read).transpose()?,
+    let axis = match arguments.plant.as_deref() {
+        Some(plant) => Some(Axis::read(plant)?),
+        None => chosen_axis(arguments.axis, arguments.pulses, arguments.product).map(|servo| {
+            if arguments.product.is_some() {
+                Axis::bare_servo(&servo)
+            } else {
+                Axis::servo(&servo)
+            }
+        }),
     };
     Ok(Service {
         slcan: arguments.slcan,
@@ -315,4 +336,40 @@ fn serial_number(text: &str) -> Result<u32, String> {
         None => text.parse(),
     };
     number.map_err(|error| error.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The axis of what `serve` runs with these arguments: the counts of its encoder in a turn, if its motor is moved by its current.
+    fn encoder(more: &[&str]) -> Option<u32> {
+        let serve = ["sim", "serve", "--slcan", "127.0.0.1:0"];
+        let line = CommandLine::try_parse_from(serve.iter().chain(more)).unwrap();
+        let Some(Command::Serve(arguments)) = line.command else {
+            panic!("{more:?}")
+        };
+        let mut drive = service(arguments).unwrap().drive;
+        let servo = drive.plant_mut().servo_mut()?;
+        Some(servo.loops().motor().counts)
+    }
+
+    #[test]
+    fn a_product_is_served_on_the_axis_of_its_binding_unless_it_is_told_another() {
+        let mut servos = 0;
+        for name in Product::names() {
+            let own = Product::named(name).unwrap().axis();
+            assert_eq!(encoder(&["--product", name]).is_some(), own.is_some());
+            assert_eq!(encoder(&["--product", name, "--pulses"]), None, "{name}");
+            servos += usize::from(own.is_some());
+        }
+        assert_eq!(servos, 3, "all but the Nanotec, whose encoder is an option");
+        assert_eq!(encoder(&["--product", "lmd"]), Some(51_200));
+        assert_eq!(encoder(&[]), None);
+        assert_eq!(encoder(&["--axis", "nema23"]), Some(4_096));
+        let plant = concat!(env!("CARGO_MANIFEST_DIR"), "/plants/");
+        let plant = std::fs::read_dir(plant).unwrap().next().unwrap().unwrap();
+        let plant = plant.path().into_os_string().into_string().unwrap();
+        assert_eq!(encoder(&["--product", "lmd", "--plant", &plant]), None);
+    }
 }

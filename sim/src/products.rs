@@ -109,6 +109,12 @@ impl Product {
         Arc::new(model.expect("it has built the product").into())
     }
 
+    /// The ready axis that its binding names, with the machine behind its motor; without one it is moved by pulses.
+    pub fn axis(self) -> Option<ServoAxisData> {
+        let named = |name| ServoAxisData::named(name).expect("the tests hold it against the axes");
+        self.0.axis.map(named).map(ServoAxisData::at_work)
+    }
+
     /// Node-ID and bit rate that it leaves the factory with.
     pub fn factory(self) -> Configuration {
         self.visit(Factory)

@@ -58,6 +58,7 @@ pub(super) fn check(
         constants: numbers(&file.constants, source, &bindings, findings),
         unset: numbers(&file.unset, source, &[], findings),
         habits: habits(file, source, findings),
+        axis: file.virtual_drive.axis.clone(),
         words: words::words(&file.word, source, model, findings),
         masks: words::masks(&file.mask, source, model, findings),
         errors: words::errors(&file.error, source, findings),

@@ -33,6 +33,9 @@ pub(super) struct File {
     /// The table `[habits]`.
     #[serde(default)]
     pub(super) habits: BTreeMap<Spanned<String>, Spanned<Value>>,
+    /// The table `[virtual]`.
+    #[serde(default, rename = "virtual")]
+    pub(super) virtual_drive: VirtualDrive,
     /// The tables `[[word]]`.
     #[serde(default)]
     pub(super) word: Vec<Spanned<WordRow>>,
@@ -94,6 +97,13 @@ pub(super) struct Row {
 pub(super) struct Storage {
     /// Objects that are meant to stand for nothing, or for something else than CiA 402 says.
     pub(super) objects: Vec<Spanned<String>>,
+}
+
+/// The table `[virtual]`.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct VirtualDrive {
+    pub(super) axis: Option<String>,
 }
 
 /// The comments that take a line of their own, each with the lines of its table. Those above a table, without a blank line between, belong

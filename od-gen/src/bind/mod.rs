@@ -33,6 +33,9 @@
 //! node_id = 65
 //! wrong_signature = 0x08000022
 //!
+//! [virtual]
+//! axis = "servo_100w"             # the ready axis that the virtual drive has
+//!
 //! [[word]]                        # an object whose bits are facts of the drive
 //! object = "1002h"
 //! facts = { 0 = "statusword", 16 = "input 3", 17 = "power", 18 = "error 8611h" }
@@ -106,6 +109,8 @@ pub struct Bindings {
     pub unset: Vec<(&'static Description, i64)>,
     /// What the device does in the way of its maker.
     pub habits: Vec<Habit>,
+    /// The ready axis of the virtual drive; without one it is moved by pulses. The firmware has nothing of it.
+    pub axis: Option<String>,
     /// Objects whose bits are facts of the drive.
     pub words: Vec<Word>,
     /// Objects whose bits are inputs or outputs.
@@ -146,6 +151,7 @@ static NONE: Bindings = Bindings {
     constants: Vec::new(),
     unset: Vec::new(),
     habits: Vec::new(),
+    axis: None,
     words: Vec::new(),
     masks: Vec::new(),
     errors: Vec::new(),

@@ -50,6 +50,17 @@ fn bindings_are_read_with_scale_values_and_access() {
 }
 
 #[test]
+fn the_axis_of_the_virtual_drive_is_read_and_nothing_else_beside_it() {
+    let axis = |text| report(text).bindings.axis;
+    assert_eq!(
+        axis("[virtual]\naxis = \"nema23\"\n").as_deref(),
+        Some("nema23")
+    );
+    assert_eq!(axis(""), None);
+    assert!(report("[virtual]\nmotor = \"nema23\"\n").has_errors());
+}
+
+#[test]
 fn objects_that_stand_for_nothing_are_reported_unless_that_is_meant() {
     let unmentioned = report("");
     assert!(!unmentioned.has_errors());
