@@ -221,7 +221,7 @@ impl Servo {
             (0x3B89, across),
             (0x3B8A, along),
             // ESPEED.
-            (0x3675, told.most_speed.into()),
+            (0x3675, report.max_speed.into()),
         ] {
             put_number(dictionary, index, 1, value);
         }
@@ -242,7 +242,11 @@ impl Servo {
     }
 
     /// MNUMBER: the data of a motor that the drive knows. Returns whether they were taken.
-    pub(super) fn take_motor<D: Dictionary>(&mut self, dictionary: &mut D, report: &LoopReport) -> bool {
+    pub(super) fn take_motor<D: Dictionary>(
+        &mut self,
+        dictionary: &mut D,
+        report: &LoopReport,
+    ) -> bool {
         if !core::mem::take(&mut self.is_chosen) || number(dictionary, 0x3599, 1) != KNOWN_MOTOR {
             return false;
         }

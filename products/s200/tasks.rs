@@ -333,11 +333,11 @@ impl Tasks {
             TaskState::Idle => {}
             TaskState::Given => return self.hands_over,
             TaskState::UnderWay(ticks) if ticks < SETTLED => {
-                self.state = TaskState::UnderWay(ticks + 1)
+                self.state = TaskState::UnderWay(ticks + 1);
             }
             TaskState::UnderWay(_) => self.look_ahead(dictionary, seen),
             TaskState::Blends(ticks) if ticks < SETTLED => {
-                self.state = TaskState::Blends(ticks + 1)
+                self.state = TaskState::Blends(ticks + 1);
             }
             TaskState::Blends(_) => {
                 if seen.statusword & ACKNOWLEDGE == 0 {

@@ -257,7 +257,7 @@ impl Follower {
                 self.coupling = Coupling::Synchronised;
             }
             Coupling::Travels(travel) if self.gone.abs() == travel => {
-                self.coupling = Coupling::Synchronised
+                self.coupling = Coupling::Synchronised;
             }
             Coupling::Leaves if is_reached => self.coupling = Coupling::Open,
             _ => {}
