@@ -5,6 +5,7 @@ use super::goal::{PlanError, SIN_SQUARED};
 use super::move_to::distance_to;
 use super::piece::{Frame, Instant, Piece, Shape, TicksQ32, ramp_distance};
 use super::sine::SHORTEST;
+use super::smooth::Smooth;
 use crate::clock::{Ticks, Uq96};
 use crate::fixed::Exact;
 
@@ -15,14 +16,14 @@ pub(super) struct Origin {
     pub(super) start: Ticks,
     /// The lead: the end of a ramp under way, or the piece that brings its acceleration to zero. Its positions have the direction of the
     /// axis, and count from where it ends.
-    pub(super) lead: Option<Piece>,
+    pub(super) lead: Smooth<Option<Piece>>,
     /// The position at the start, Q96 steps: of use for a goal that is passed.
     pub(super) begin: i128,
     /// When the lead ends, and where; without one, at the start.
     pub(super) end: Instant,
     pub(super) from: Exact,
     /// The ramps behind it are sin².
-    pub(super) is_sine: bool,
+    pub(super) is_sine: Smooth<bool>,
 }
 
 impl Origin {
@@ -30,11 +31,11 @@ impl Origin {
     pub(super) const fn steady(start: Ticks, from: Exact) -> Self {
         Self {
             start,
-            lead: None,
+            lead: Smooth::NONE,
             begin: from.position,
             end: Instant::from(start),
             from,
-            is_sine: false,
+            is_sine: Smooth::NONE,
         }
     }
 
@@ -45,7 +46,7 @@ impl Origin {
             velocity: 0,
         };
         let is_back = |from| distance_to(target_steps, from).map(|(_, is_back)| is_back);
-        self.lead.is_some() && is_back(begin) != is_back(self.from)
+        self.lead.get().is_some() && is_back(begin) != is_back(self.from)
     }
 }
 
@@ -56,7 +57,7 @@ pub(super) struct PlanBuilder<'a> {
     now: Instant,
     tick: Ticks,
     pub(super) travelled: i128,
-    is_sine: bool,
+    is_sine: Smooth<bool>,
     /// Pieces that are complete; the next one is written behind them.
     count: usize,
     /// A piece had no room.
@@ -83,7 +84,7 @@ impl<'a> PlanBuilder<'a> {
             count: 0,
             is_full: false,
         };
-        if let Some(lead) = origin.lead
+        if let Some(lead) = *origin.lead.get()
             && builder.tick != origin.start
         {
             let lead = lead.seen_from(&builder.plan.frame);
@@ -138,7 +139,7 @@ impl<'a> PlanBuilder<'a> {
             position: self.travelled,
             velocity,
             half_acceleration,
-            shape,
+            shape: Smooth::new(shape),
         });
     }
 
@@ -166,7 +167,7 @@ impl<'a> PlanBuilder<'a> {
             position: self.travelled,
             velocity: speed.cast_signed(),
             half_acceleration: 0,
-            shape: Shape::Cubic(0),
+            shape: Smooth::NONE,
         });
         self.go_on(time, distance.cast_signed());
     }
@@ -215,7 +216,7 @@ impl<'a> PlanBuilder<'a> {
                 // The velocity at the other end is greater.
                 Shape::Sine(_) => half,
             },
-            shape,
+            shape: Smooth::new(shape),
         });
         self.go_on(time, 0);
     }
@@ -245,7 +246,7 @@ impl<'a> PlanBuilder<'a> {
     fn finish(self) -> Result<(), PlanError> {
         if self.is_full {
             self.plan.end = Ticks::MAX;
-            self.plan.order = None;
+            self.plan.order = Smooth::NONE;
             return Err(PlanError::Internal);
         }
         self.plan.pieces.truncate(self.count);
@@ -254,7 +255,7 @@ impl<'a> PlanBuilder<'a> {
 
     /// The shape of a ramp that lasts so long.
     fn shape(&self, time: TicksQ32) -> Shape {
-        if SIN_SQUARED && self.is_sine && time >= SHORTEST {
+        if SIN_SQUARED && *self.is_sine.get() && time >= SHORTEST {
             Shape::Sine(time)
         } else {
             Shape::Cubic(0)

@@ -5,9 +5,10 @@
 //! acceleration.
 
 use super::builder::Origin;
-use super::goal::{Goal, Limits, SIN_SQUARED};
+use super::goal::{Goal, Limits};
 use super::move_to::distance_to;
 use super::piece::{Instant, Piece, Shape, distance_at, over_time};
+use super::smooth::{SMOOTH, Smooth};
 use super::{Order, Plan, Ramps, sine};
 use crate::clock::{Clock, Ticks, Uq96, Uq128};
 use crate::divide::quotient;
@@ -22,16 +23,16 @@ pub(crate) struct InitialState {
     pub(crate) tick: Ticks,
     pub(crate) from: Exact,
     /// The acceleration, Q96 steps per tick². Linear ramps ignore it.
-    pub(crate) acceleration: i128,
+    pub(crate) acceleration: Smooth<i128>,
     /// A sixth of the jerk at which the acceleration is brought to zero, Q128 steps per tick³: no less than the jerk that has built it up,
     /// or the velocity would go on beyond its limit.
-    pub(crate) sixth_jerk: Uq128,
+    pub(crate) sixth_jerk: Smooth<Uq128>,
     /// The goal, limits and ramps that it was planned for, if its ramps are smooth.
-    pub(super) order: Option<Order>,
+    pub(super) order: Smooth<Option<Order>>,
     /// A sin² ramp that is under way and may be finished, in the frame of the axis.
-    pub(super) ramp: Option<Piece>,
+    pub(super) ramp: Smooth<Option<Piece>>,
     /// That ramp is broken off, even if the new motion could finish it.
-    pub(super) leaves_ramp: bool,
+    pub(super) leaves_ramp: Smooth<bool>,
 }
 
 impl InitialState {
@@ -40,28 +41,29 @@ impl InitialState {
         Self {
             tick,
             from,
-            acceleration: 0,
-            sixth_jerk: 0,
-            order: None,
-            ramp: None,
-            leaves_ramp: false,
+            acceleration: Smooth::NONE,
+            sixth_jerk: Smooth::NONE,
+            order: Smooth::NONE,
+            ramp: Smooth::NONE,
+            leaves_ramp: Smooth::NONE,
         }
     }
 
     /// Whether it was planned for this goal already.
     pub(crate) fn is_for(&self, goal: Goal, limits: Limits, ramps: Ramps) -> bool {
-        self.order == Some((goal, limits, ramps))
+        *self.order.get() == Some((goal, limits, ramps))
     }
 
     /// With an acceleration, Q96 steps per tick², and a sixth of the jerk of which it is.
     pub(crate) const fn easing(mut self, acceleration: i128, sixth_jerk: Uq128) -> Self {
-        (self.acceleration, self.sixth_jerk) = (acceleration, sixth_jerk);
+        self.acceleration = Smooth::new(acceleration);
+        self.sixth_jerk = Smooth::new(sixth_jerk);
         self
     }
 
     /// Begins with a speed towards the target, Q96 steps per tick, at once: from rest, or from a lower speed in that direction.
     pub(crate) fn jump(&mut self, speed: Uq96, target_steps: i64) {
-        let is_steady = self.acceleration == 0 && self.ramp.is_none();
+        let is_steady = *self.acceleration.get() == 0 && self.ramp.get().is_none();
         let Some((gap, is_back)) = distance_to(target_steps, self.from).filter(|_| is_steady)
         else {
             return;
@@ -76,7 +78,7 @@ impl InitialState {
 
     /// Breaks off a ramp that is under way, even if the new motion could finish it.
     pub(crate) const fn leave_ramp(&mut self) {
-        self.leaves_ramp = true;
+        self.leaves_ramp = Smooth::new(true);
     }
 
     /// Moves the origin to where new sin² ramps begin: behind a lead, if there is one.
@@ -89,7 +91,7 @@ impl InitialState {
         limits: Limits,
         origin: &mut Origin,
     ) {
-        origin.is_sine = true;
+        origin.is_sine = Smooth::new(true);
         if !self.finish((clock, goal, limits), origin) {
             let jerk = self.sixth_jerk().max(self.harder_jerk(clock, limits));
             self.ease(jerk, origin);
@@ -98,20 +100,16 @@ impl InitialState {
 
     /// A sixth of the jerk at which its acceleration is brought to zero.
     pub(super) fn sixth_jerk(&self) -> Uq128 {
-        match &self.ramp {
-            Some(ramp) if self.acceleration != 0 => ramp.sixth_jerk(),
-            _ => self.sixth_jerk,
+        match self.ramp.get() {
+            Some(ramp) if *self.acceleration.get() != 0 => ramp.sixth_jerk(),
+            _ => *self.sixth_jerk.get(),
         }
     }
 
     /// From where sin² ramps go on when the acceleration has been brought to zero; at once if there is no jerk for that.
     fn ease(&self, sixth_jerk: Uq128, origin: &mut Origin) {
-        let Self {
-            tick,
-            from,
-            acceleration,
-            ..
-        } = *self;
+        let Self { tick, from, .. } = *self;
+        let acceleration = *self.acceleration.get();
         let strength = acceleration.unsigned_abs();
         let jerk = 6 * sixth_jerk;
         // A divisor has 96 bits.
@@ -135,21 +133,26 @@ impl InitialState {
             position: 0,
             velocity,
             half_acceleration: 0,
-            shape: Shape::Cubic(-signed(sixth_jerk)),
+            shape: Smooth::new(Shape::Cubic(-signed(sixth_jerk))),
         };
         // However long it lasts and whatever is rounded in it, it begins here.
         let position = from.position.wrapping_sub(lead.position_at(tick));
-        origin.lead = Some(lead);
+        origin.lead = Smooth::new(Some(lead));
         origin.end = end;
         origin.from = Exact { position, velocity };
     }
 
     /// From where the ramp that is under way ends, if a motion to `goal` finishes it anyway. Returns whether it does.
     fn finish(&self, (clock, goal, limits): (Clock, Goal, Limits), origin: &mut Origin) -> bool {
-        let Some(ramp) = self.ramp.as_ref().filter(|_| !self.leaves_ramp) else {
+        let Some(ramp) = self
+            .ramp
+            .get()
+            .as_ref()
+            .filter(|_| !*self.leaves_ramp.get())
+        else {
             return false;
         };
-        let Shape::Sine(time) = ramp.shape else {
+        let Shape::Sine(time) = *ramp.shape.get() else {
             return false;
         };
         let half = ramp.half_acceleration;
@@ -170,11 +173,11 @@ impl InitialState {
         if !is_done_anyway(from, change, clock, goal, limits) {
             return false;
         }
-        origin.lead = Some(Piece {
+        origin.lead = Smooth::new(Some(Piece {
             start: self.tick,
             position: distance.wrapping_neg(),
             ..*ramp
-        });
+        }));
         origin.end = end;
         origin.from = from;
         true
@@ -184,7 +187,7 @@ impl InitialState {
     /// or the present velocity if that is higher; otherwise 0. So a quick stop does not last as long as the gentle ramp that it ends.
     fn harder_jerk(&self, clock: Clock, limits: Limits) -> Uq128 {
         let hardest = |limits: Limits| limits.acceleration.max(limits.deceleration);
-        if !matches!(self.order, Some((_, before, _)) if hardest(limits) > hardest(before)) {
+        if !matches!(*self.order.get(), Some((_, before, _)) if hardest(limits) > hardest(before)) {
             return 0;
         }
         let speed = clock
@@ -197,20 +200,21 @@ impl InitialState {
 impl Plan {
     /// The motion at tick `at`, as another one begins with it: from linear ramps with no acceleration.
     pub(crate) fn leave(&self, at: Ticks) -> InitialState {
-        const CAN_BE_SMOOTH: bool = SIN_SQUARED || cfg!(feature = "limited-jerk");
-        if !CAN_BE_SMOOTH || self.order.is_none() {
+        if !SMOOTH || self.order.get().is_none() {
             return InitialState::steady(at, self.exact_at(at));
         }
         let (from, acceleration) = self.motion_at(at);
         let mut start = InitialState::steady(at, from);
-        start.order = self.order.filter(|_| at >= self.frame.start);
-        start.acceleration = acceleration;
+        start.order = Smooth::new(self.order.get().filter(|_| at >= self.frame.start));
+        start.acceleration = Smooth::new(acceleration);
         match self.find_piece(at) {
             Some((piece, _)) if piece.is_sine() => {
-                start.ramp = Some(piece.placed(&self.frame));
+                start.ramp = Smooth::new(Some(piece.placed(&self.frame)));
             }
             _ if acceleration == 0 => {}
-            Some((piece, _)) if piece.sixth_jerk() != 0 => start.sixth_jerk = piece.sixth_jerk(),
+            Some((piece, _)) if piece.sixth_jerk() != 0 => {
+                start.sixth_jerk = Smooth::new(piece.sixth_jerk())
+            }
             _ => start.sixth_jerk = self.sixth_jerk,
         }
         start

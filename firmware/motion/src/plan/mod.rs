@@ -20,6 +20,7 @@ mod move_to;
 pub(crate) mod phase;
 mod piece;
 mod sine;
+mod smooth;
 mod velocity;
 
 use crate::clock::{Clock, Ticks, Uq128};
@@ -32,12 +33,16 @@ use heapless::Vec;
 pub(crate) use lead::InitialState;
 use phase::Phase;
 use piece::{Frame, Piece};
+use smooth::{SMOOTH, Smooth};
 
-/// A lead, leaving the wrong direction; then acceleration, cruise, braking, and the velocity that is kept. A jerk-limited ramp is three pieces.
+/// A lead, leaving the wrong direction; then acceleration, cruise, braking, and the velocity that is kept. Linear ramps have no lead; a jerk-limited ramp
+/// is three pieces.
 pub const MOST_PIECES: usize = if cfg!(feature = "limited-jerk") {
     11
-} else {
+} else if SMOOTH {
     6
+} else {
+    5
 };
 
 /// What a plan was made for.
@@ -57,9 +62,9 @@ pub struct Plan {
     /// The first tick of the ramp to rest, or of the last ramp there is.
     last_ramp: Ticks,
     /// What the plan was made for, if its ramps are smooth.
-    order: Option<Order>,
+    order: Smooth<Option<Order>>,
     /// A sixth of the jerk of its ramps, Q128 steps per tick³; 0 if it is not limited.
-    sixth_jerk: Uq128,
+    sixth_jerk: Smooth<Uq128>,
 }
 
 impl Plan {
@@ -77,8 +82,8 @@ impl Plan {
             entered: None,
             rest,
             last_ramp: start,
-            order: None,
-            sixth_jerk: 0,
+            order: Smooth::NONE,
+            sixth_jerk: Smooth::NONE,
         }
     }
 
@@ -249,8 +254,8 @@ impl Plan {
             Ramps::JerkLimited(jerk) => {
                 let jerk = clock.sixth_jerk(jerk).max(start.sixth_jerk());
                 jerk_limited::plan(self, clock, start, goal, limits, jerk)?;
-                self.sixth_jerk = jerk;
-                self.order = Some((goal, limits, ramps));
+                self.sixth_jerk = Smooth::new(jerk);
+                self.order = Smooth::new(Some((goal, limits, ramps)));
                 return Ok(());
             }
         }
@@ -276,8 +281,9 @@ impl Plan {
             Goal::Pass(target, end) => move_to::plan(self, clock, origin, (target, end), limits)?,
             Goal::Velocity(velocity) => velocity::plan(self, clock, origin, velocity, limits)?,
         }
-        self.sixth_jerk = 0;
-        self.order = origin.is_sine.then_some((goal, limits, Ramps::SinSquared));
+        self.sixth_jerk = Smooth::NONE;
+        let is_sine = *origin.is_sine.get();
+        self.order = Smooth::new(is_sine.then_some((goal, limits, Ramps::SinSquared)));
         Ok(())
     }
 

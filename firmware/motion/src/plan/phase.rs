@@ -5,6 +5,7 @@
 //! long the phase; a cruise that never ends needs no new anchor. The coefficient of a cubic is Q128: over the time that a jerk lasts, its
 //! rounding does not show.
 
+use super::smooth::Smooth;
 use crate::clock::{Clock, Ticks};
 use crate::fixed::{Exact, Q96, Q128, State, product};
 use crate::low;
@@ -22,7 +23,7 @@ pub struct Phase {
     velocity: i128,
     half_acceleration: i128,
     /// A sixth of the jerk, Q128 steps per tick³.
-    sixth_jerk: i128,
+    sixth_jerk: Smooth<i128>,
 }
 
 impl Phase {
@@ -32,7 +33,7 @@ impl Phase {
         position: 0,
         velocity: 0,
         half_acceleration: 0,
-        sixth_jerk: 0,
+        sixth_jerk: Smooth::NONE,
     };
 
     /// A parabola that begins in a state, with half of an acceleration, Q96 steps per tick².
@@ -60,7 +61,7 @@ impl Phase {
             position,
             velocity,
             half_acceleration,
-            sixth_jerk,
+            sixth_jerk: Smooth::new(sixth_jerk),
         }
     }
 
@@ -93,7 +94,7 @@ impl Phase {
 
     /// The acceleration at tick `t`, Q96 steps per tick².
     pub(crate) fn acceleration_exact(&self, t: Ticks) -> i128 {
-        let rise = whole(times(self.sixth_jerk, self.since_anchor(t)));
+        let rise = whole(times(*self.sixth_jerk.get(), self.since_anchor(t)));
         2 * (self.half_acceleration + 3 * rise)
     }
 
@@ -107,7 +108,7 @@ impl Phase {
     pub(crate) fn at(&self, t: Ticks) -> Exact {
         let n = self.since_anchor(t);
         // Most of the time is spent in cruises, and wide products take long.
-        let (half, rise) = match (self.sixth_jerk, self.half_acceleration) {
+        let (half, rise) = match (*self.sixth_jerk.get(), self.half_acceleration) {
             (0, half) => (half, 0),
             (sixth_jerk, half) => {
                 let rise = whole(times(sixth_jerk, n));
@@ -128,7 +129,7 @@ impl Phase {
     pub(crate) fn polynomial(&self, t: Ticks, end: Ticks) -> Polynomial {
         Polynomial {
             half: Q96(self.acceleration_exact(t) >> 1),
-            sixth: Q128(self.sixth_jerk),
+            sixth: Q128(*self.sixth_jerk.get()),
             ..Polynomial::line(end, self.at(t))
         }
     }
@@ -144,7 +145,7 @@ impl Phase {
 
     /// Whether it is one parabola, so that the longest chord is the same everywhere.
     pub(crate) const fn is_parabola(&self) -> bool {
-        self.sixth_jerk == 0
+        *self.sixth_jerk.get() == 0
     }
 
     /// Whether its velocity is constant.

@@ -6,6 +6,7 @@
 use super::goal::SIN_SQUARED;
 use super::phase::{Phase, whole};
 use super::sine;
+use super::smooth::Smooth;
 use crate::clock::{Clock, Ticks, Uq96, Uq128};
 use crate::divide::Divisor;
 use crate::low;
@@ -104,7 +105,7 @@ pub(super) struct Piece {
     pub(super) position: i128,
     pub(super) velocity: i128,
     pub(super) half_acceleration: i128,
-    pub(super) shape: Shape,
+    pub(super) shape: Smooth<Shape>,
 }
 
 impl Piece {
@@ -117,10 +118,10 @@ impl Piece {
             position: self.position.wrapping_neg(),
             velocity: self.velocity.wrapping_neg(),
             half_acceleration: self.half_acceleration.wrapping_neg(),
-            shape: match self.shape {
+            shape: Smooth::new(match *self.shape.get() {
                 Shape::Cubic(sixth_jerk) => Shape::Cubic(sixth_jerk.wrapping_neg()),
                 Shape::Sine(time) => Shape::Sine(time),
-            },
+            }),
             ..self
         }
     }
@@ -133,12 +134,12 @@ impl Piece {
     }
 
     pub(super) const fn is_sine(&self) -> bool {
-        SIN_SQUARED && matches!(self.shape, Shape::Sine(_))
+        SIN_SQUARED && matches!(self.shape.get(), Shape::Sine(_))
     }
 
     /// A sixth of its jerk, or of that at which a sin² ramp is left.
     pub(super) fn sixth_jerk(&self) -> Uq128 {
-        match self.shape {
+        match *self.shape.get() {
             Shape::Cubic(sixth_jerk) => sixth_jerk.unsigned_abs(),
             Shape::Sine(time) if SIN_SQUARED => sine::jerk(self.half_acceleration, time),
             Shape::Sine(_) => 0,
@@ -147,12 +148,12 @@ impl Piece {
 
     /// Whether its velocity is constant.
     pub(super) const fn is_line(&self) -> bool {
-        matches!(self.shape, Shape::Cubic(0)) && self.half_acceleration == 0
+        matches!(self.shape.get(), Shape::Cubic(0)) && self.half_acceleration == 0
     }
 
     /// The next tick behind `t`, which lies within the piece, at which another of its phases begins, or `until`, at which it ends.
     pub(super) fn next_corner(&self, (t, until): (Ticks, Ticks)) -> Ticks {
-        match self.shape {
+        match *self.shape.get() {
             Shape::Sine(time) if SIN_SQUARED => sine::piece(self, time, t).2.min(until),
             Shape::Cubic(_) | Shape::Sine(_) => until,
         }
@@ -160,7 +161,7 @@ impl Piece {
 
     /// The phase at tick `t`, which lies within the piece, and the first tick behind it; `until` is that behind the piece.
     pub(super) fn work_out(&self, (t, until): (Ticks, Ticks), frame: &Frame) -> (Phase, Ticks) {
-        match self.shape {
+        match *self.shape.get() {
             Shape::Sine(time) if SIN_SQUARED => {
                 let (piece, sixth_jerk, end) = sine::piece(self, time, t);
                 (piece.work_out_cubic(sixth_jerk, frame), end.min(until))

@@ -14,6 +14,7 @@
 //! chosen so that this is less than 0.01 steps, for ramps of up to 17 million steps; longer ones are off by 3·10⁻¹⁰ of Δv·T.
 
 use super::piece::{Instant, Piece, Shape, TicksQ32, distance_at, over_time};
+use super::smooth::Smooth;
 use crate::clock::{Ticks, Uq96, Uq128};
 use crate::divide::{estimate, quotient};
 use crate::low;
@@ -296,7 +297,7 @@ pub(super) fn piece(ramp: &Piece, time: TicksQ32, t: Ticks) -> (Piece, i128, Tic
         }),
         velocity: ramp.velocity + gained,
         half_acceleration: with_sign(acceleration, falls != is_back),
-        shape: Shape::Cubic(sixth_jerk),
+        shape: Smooth::new(Shape::Cubic(sixth_jerk)),
     };
     (piece, sixth_jerk, until.tick_up().max(t + 1))
 }
@@ -322,10 +323,11 @@ fn times(a: u64, b: u64) -> u64 {
     ((u128::from(a) * u128::from(b)) >> 64) as u64
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "sin-squared"))]
 mod tests {
     use super::{Corner, DIVISIONS, SINES, piece, sine, times};
     use crate::plan::piece::{Instant, Piece, Shape};
+    use crate::plan::smooth::Smooth;
     use core::f64::consts::PI;
     use proptest::prelude::*;
 
@@ -415,7 +417,7 @@ mod tests {
                 position: 0,
                 velocity: 0,
                 half_acceleration: half,
-                shape: Shape::Sine(u128::from(time) << 32),
+                shape: Smooth::new(Shape::Sine(u128::from(time) << 32)),
             };
             let away = ((u128::from(time) * u128::from(part)) >> 32) as u64;
             let t = if is_back { anchor - away.max(1) } else { anchor + away };
@@ -441,7 +443,7 @@ mod tests {
         } else {
             n
         };
-        let Shape::Cubic(sixth) = piece.shape else {
+        let Shape::Cubic(sixth) = *piece.shape.get() else {
             unreachable!()
         };
         let sixth = sixth as f64 * 2f64.powi(-128);

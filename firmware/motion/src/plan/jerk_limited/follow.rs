@@ -10,6 +10,7 @@ use super::rough::Kind;
 use crate::plan::PlanError;
 use crate::plan::builder::PlanBuilder;
 use crate::plan::piece::{Piece, Shape, distance_at, over_time};
+use crate::plan::smooth::Smooth;
 
 impl PlanBuilder<'_> {
     /// Moves from rest over `distance` to `goal` in the frame, with the velocity `end` there. Where the distance is too short for that, it comes
@@ -101,7 +102,7 @@ impl PlanBuilder<'_> {
             position: self.travelled,
             velocity: ramp.velocity,
             half_acceleration: ramp.acceleration >> 1,
-            shape: Shape::Cubic(if ramp.is_easing { -jerk } else { jerk }),
+            shape: Smooth::new(Shape::Cubic(if ramp.is_easing { -jerk } else { jerk })),
         };
         self.add(entry, ramp.entry);
         // It ends with the state in which the last one begins: v − a·t/2 and x − v·t + a·t²/6.
@@ -112,7 +113,7 @@ impl PlanBuilder<'_> {
             position: target.wrapping_sub(distance_at(mean, ramp.exit)),
             velocity: ramp.end - turned(gain.cast_signed()),
             half_acceleration: turned(ramp.most) >> 1,
-            shape: Shape::Cubic(0),
+            shape: Smooth::NONE,
             ..entry
         };
         self.add(hold, ramp.hold);
@@ -121,7 +122,7 @@ impl PlanBuilder<'_> {
             position: target,
             velocity: ramp.end,
             half_acceleration: 0,
-            shape: Shape::Cubic(-jerk),
+            shape: Smooth::new(Shape::Cubic(-jerk)),
             ..entry
         };
         self.add(exit, ramp.exit);

@@ -131,7 +131,7 @@ fn with_rules<R>(
 
 /// A motion as it is in a frame that may be turned round.
 fn seen(start: &InitialState, reverse: bool, jerk: &Jerk) -> Motion {
-    let (velocity, acceleration) = (start.from.velocity, start.acceleration);
+    let (velocity, acceleration) = (start.from.velocity, *start.acceleration.get());
     if reverse {
         Motion::new(-velocity, -acceleration, jerk)
     } else {

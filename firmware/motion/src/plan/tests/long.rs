@@ -89,10 +89,7 @@ fn i02_a_softer_deceleration_while_braking_is_no_reason_to_refuse() {
 
 /// A motion with an acceleration, which came about at whatever jerk.
 fn start(from: State, acceleration: i128) -> InitialState {
-    InitialState {
-        acceleration,
-        ..InitialState::steady(0, from.into())
-    }
+    InitialState::steady(0, from.into()).easing(acceleration, 0)
 }
 
 /// Whether a motion that must brake and come back can be planned; and if so, that it lands on its target.
