@@ -345,15 +345,15 @@ fn firmware<D: Behaves + Default, A: Moving>(
     let power_on: PowerOn = power_up.choose(&mut store, Controller::BIT_RATES);
     let (machine, scope) = machine();
     let dictionary = D::default();
-    let node = Node::new(
+    let mut node = Node::new(
         dictionary,
         machine,
         &power_on,
         serial_number,
         Controller::BIT_RATES,
         store,
-    )
-    .moved_by(A::MODES);
+    );
+    node.moved_by(A::MODES);
     (node, A::control(scope))
 }
 

@@ -30,7 +30,7 @@ macro_rules! app {
 
             #[shared]
             struct Shared {
-                exchange: Exchange,
+                exchange: &'static mut Exchange,
                 bus: CanBus,
                 alive: bool,
                 #[lock_free]
@@ -55,6 +55,7 @@ macro_rules! app {
                 lost: Lost = Lost::new(),
                 edges: Capture = Capture::new(),
                 // They begin where they stay: on the stack they would be more than all else that is ever there.
+                exchange: MaybeUninit<Exchange> = MaybeUninit::uninit(),
                 emitter: MaybeUninit<Emitter> = MaybeUninit::uninit(),
                 stepping: MaybeUninit<Stepping> = MaybeUninit::uninit(),
                 control: MaybeUninit<Control> = MaybeUninit::uninit(),
@@ -65,6 +66,7 @@ macro_rules! app {
                     frames: cx.local.frames,
                     lost: cx.local.lost,
                     edges: cx.local.edges,
+                    exchange: cx.local.exchange,
                     emitter: cx.local.emitter,
                     stepping: cx.local.stepping,
                     control: cx.local.control,

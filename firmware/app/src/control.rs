@@ -80,7 +80,7 @@ impl Control {
     /// the drive says.
     pub fn tick(
         &mut self,
-        mut exchange: impl Mutex<T = Exchange>,
+        mut exchange: impl Mutex<T = &'static mut Exchange>,
         alive: bool,
     ) -> (Instant, Option<Instant>) {
         let exchange = &mut Locked(&mut exchange);
@@ -89,7 +89,7 @@ impl Control {
     }
 
     /// A tick of its own for a command to stop, a stage that has failed or frames that are lost, unless a regular one was first.
-    pub fn stop(&mut self, mut exchange: impl Mutex<T = Exchange>) {
+    pub fn stop(&mut self, mut exchange: impl Mutex<T = &'static mut Exchange>) {
         let exchange = &mut Locked(&mut exchange);
         self.control
             .stop(self.lost.count(), &mut self.stage, exchange);

@@ -12,7 +12,7 @@ use crate::clock;
 /// An exchange that two tasks share. The lock raises the priority to that of the control tick while a snapshot is copied.
 pub struct Locked<'a, L>(pub &'a mut L);
 
-impl<L: Mutex<T = Exchange>> Share for Locked<'_, L> {
+impl<L: Mutex<T = &'static mut Exchange>> Share for Locked<'_, L> {
     fn lock<R>(&mut self, f: impl FnOnce(&mut Exchange) -> R) -> R {
         self.0.lock(|exchange| once(f, exchange))
     }
@@ -24,13 +24,13 @@ pub struct Around<'a, L, S> {
     pub stop: S,
 }
 
-impl<L: Mutex<T = Exchange>, S> Share for Around<'_, L, S> {
+impl<L: Mutex<T = &'static mut Exchange>, S> Share for Around<'_, L, S> {
     fn lock<R>(&mut self, f: impl FnOnce(&mut Exchange) -> R) -> R {
         self.exchange.lock(|exchange| once(f, exchange))
     }
 }
 
-impl<L: Mutex<T = Exchange>, S: FnMut()> Host for Around<'_, L, S> {
+impl<L: Mutex<T = &'static mut Exchange>, S: FnMut()> Host for Around<'_, L, S> {
     fn now(&self) -> Instant {
         clock::now()
     }

@@ -35,7 +35,7 @@ const NEAREST: u64 = 50;
 
 /// What all tasks own.
 pub struct Firmware {
-    pub exchange: Exchange,
+    pub exchange: &'static mut Exchange,
     pub bus: CanBus,
     pub reception: Reception,
     pub stepping: &'static Stepping,
@@ -51,6 +51,7 @@ pub struct Memory {
     pub frames: &'static mut inbox::Memory,
     pub lost: &'static Lost,
     pub edges: &'static Capture,
+    pub exchange: &'static mut MaybeUninit<Exchange>,
     pub emitter: &'static mut MaybeUninit<Emitter>,
     pub stepping: &'static mut MaybeUninit<Stepping>,
     pub control: &'static mut MaybeUninit<Control>,
@@ -121,7 +122,7 @@ impl NodeTask {
     /// next control tick. Gives what the lights are to say, once for each step of their patterns.
     pub fn run(
         &mut self,
-        mut exchange: impl Mutex<T = Exchange>,
+        mut exchange: impl Mutex<T = &'static mut Exchange>,
         mut bus: impl Mutex<T = CanBus>,
         stop: impl FnMut(),
     ) -> Option<Signals> {
@@ -166,6 +167,7 @@ pub fn start(device: <Selected as Board>::Device, timer: SYST, memory: Memory) -
         frames,
         lost,
         edges,
+        exchange,
         emitter,
         stepping,
         control,
@@ -198,19 +200,19 @@ pub fn start(device: <Selected as Board>::Device, timer: SYST, memory: Memory) -
             serial_number,
             CanBus::BIT_RATES,
             store,
-        )
-        .moved_by(<<Selected as Board>::Axis as Actuator>::MODES),
+        ),
         received,
         servo_objects,
         is_on: false,
     });
+    (node.node).moved_by(<<Selected as Board>::Axis as Actuator>::MODES);
     let emitter = place(emitter, || Emitter::new(CONFIG));
     let stepping: &_ = place(stepping, || Stepping::new(emitter, pulses));
     let control = place(control, || {
         Control::new(stepping, stage, lost, edges, &board::SCOPE_MEMORY)
     });
     Firmware {
-        exchange: Exchange::new(),
+        exchange: place(exchange, Exchange::new),
         bus,
         reception: Reception { receiver, inbox },
         stepping,

@@ -127,10 +127,9 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
         self
     }
 
-    /// The same device on an actuator that can do these modes (`Actuator::MODES`); 6060h refuses the others.
-    pub fn moved_by(mut self, modes: u32) -> Self {
+    /// Its actuator can do these modes (`Actuator::MODES`); 6060h refuses the others.
+    pub const fn moved_by(&mut self, modes: u32) {
         self.hooks.modes = modes;
-        self
     }
 
     /// The same device with automatic bit rate detection ([`canopen::Node::detecting`]).

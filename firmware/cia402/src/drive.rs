@@ -129,7 +129,8 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
 
     /// A drive that is not ready to switch on, with an actuator that commits demands so long ahead of the motor, and with control ticks of
     /// this period. It becomes switch on disabled by itself with the first one.
-    #[inline]
+    // Out of line, so that it is made where it stays.
+    #[inline(never)]
     pub fn with_actuator(actuator: impl FnOnce() -> A, ahead: MicrosQ16, tick: Duration) -> Self {
         Self {
             commands: Commands::NONE,

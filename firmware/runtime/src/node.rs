@@ -135,10 +135,9 @@ where
         self.device.dictionary_mut()
     }
 
-    /// The same on an actuator that can do these modes (`Actuator::MODES`).
-    pub fn moved_by(mut self, modes: u32) -> Self {
-        self.device = self.device.moved_by(modes);
-        self
+    /// Its actuator can do these modes (`Actuator::MODES`).
+    pub const fn moved_by(&mut self, modes: u32) {
+        self.device.moved_by(modes);
     }
 
     /// The object dictionary, and what the product does that is no data.
