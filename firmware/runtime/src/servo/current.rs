@@ -7,7 +7,7 @@
 
 use servo::interrupt::Counts;
 
-use super::link::{Link, LoopStatus, Orders};
+use super::link::{Link, LoopStatus};
 use super::{Loops, error_code, leads};
 
 /// See the module.
@@ -15,7 +15,14 @@ use super::{Loops, error_code, leads};
 pub struct Current {
     pub(super) loops: Loops,
     link: &'static Link,
-    orders: Orders,
+    /// The count of the clock for which the order is.
+    ordered: u32,
+    /// The stage, in 0.1 °C.
+    temperature: i16,
+    /// What was set waits until the power is off.
+    waits: bool,
+    /// What a measurement has found is told, and none is under way.
+    is_found_published: bool,
     /// Seconds of a count of the clock.
     count: f32,
     /// In which of so many periods it is.
@@ -30,7 +37,10 @@ impl Current {
             period: loops.data.stage.control.max(5),
             loops,
             link,
-            orders: Orders::default(),
+            ordered: 0,
+            temperature: 0,
+            waits: false,
+            is_found_published: false,
             count: 1.0 / clock as f32,
             at: 0,
         }
@@ -44,24 +54,21 @@ impl Current {
     /// A period: pulse widths, or none where the gates are to be off.
     #[inline]
     pub fn period(&mut self, counts: &Counts) -> Option<[f32; 3]> {
-        let widths = self.loops.period(counts, self.orders.temperature);
+        let widths = self.loops.period(counts, self.temperature);
         widths.filter(|_| self.loops.fault().is_none())
     }
 
     /// What is above the current, behind [`Current::period`], at this count of the clock. Returns whether the gates may be on.
+    #[inline]
     pub fn control(&mut self, counts: &Counts, now: u32) -> bool {
-        let since = match &self.orders.order {
-            Some((_, at)) => now.wrapping_sub(*at) as f32 * self.count,
-            None => 0.0,
-        };
-        self.loops
-            .control(counts, since, 0, self.orders.temperature);
+        let since = now.wrapping_sub(self.ordered) as f32 * self.count;
+        self.loops.control(counts, since, 0, self.temperature);
         // One at a time, and not where the loops have run, so that no period is much longer than the others.
         match self.at {
             1 => self.take_orders(),
             2 => self.take_set_up(),
             3 => self.publish(counts),
-            4 => self.link.publish_found(*self.loops.found()),
+            4 => self.publish_found(),
             _ => {}
         }
         self.at += 1;
@@ -77,33 +84,41 @@ impl Current {
     }
 
     fn take_orders(&mut self) {
-        if let Some(orders) = self.link.orders() {
-            self.orders = orders;
-            self.loops.take(orders.order.map(|(order, _)| order));
-        }
-        self.loops
-            .energise(self.orders.is_on && !self.orders.is_blocked);
+        self.link.take_orders(|orders| {
+            self.temperature = orders.temperature;
+            let order = orders.order.as_ref();
+            self.ordered = order.map_or(0, |(_, at)| *at);
+            self.loops.take(order.map(|(order, _)| *order));
+            self.loops.energise(orders.is_on && !orders.is_blocked);
+        });
     }
 
     fn take_set_up(&mut self) {
-        if let Some(set_up) = self.link.take_set_up() {
-            self.loops.set_up(&set_up.settings);
-            if let Some(request) = set_up.request {
+        self.link.take_set_up(self.waits, |settings, request| {
+            self.waits = !self.loops.set_up(settings);
+            if let Some(request) = request {
                 self.loops.request(request);
+                self.is_found_published = false;
             }
-        }
+        });
     }
 
     fn publish(&self, counts: &Counts) {
         let report = self.loops.control_report();
-        let status = LoopStatus {
+        self.link.publish(leads(&report), || LoopStatus {
             report: self.loops.reported(&report, 0),
             fault: self.loops.fault().map(error_code),
             millivolts: (self.loops.bus(counts) * 1e3) as u32,
             is_stalled: self.loops.stalls(&report),
             is_hot: report.is_hot,
             position_tolerance: self.loops.position_tolerance(),
-        };
-        self.link.publish(status, leads(&report));
+        });
+    }
+
+    fn publish_found(&mut self) {
+        if !self.is_found_published {
+            let is_published = self.link.publish_found(self.loops.found());
+            self.is_found_published = is_published && !self.loops.wants_free();
+        }
     }
 }

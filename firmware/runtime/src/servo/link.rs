@@ -6,7 +6,7 @@
 use core::sync::atomic::{AtomicU16, Ordering};
 
 use cia402::{ServoOrder, ServoReport};
-use spin::{Mutex, MutexGuard};
+use spin::Mutex;
 
 use super::{Found, Request, ServoSettings};
 
@@ -24,11 +24,13 @@ pub(super) struct Orders {
 }
 
 /// From the task of the dictionary.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct SetUp {
-    pub(super) settings: ServoSettings,
+#[derive(Debug, Default)]
+struct SetUp {
+    settings: ServoSettings,
     /// Taken once.
-    pub(super) request: Option<Request>,
+    request: Option<Request>,
+    /// The interrupt has not seen it yet.
+    is_new: bool,
 }
 
 /// From the loops to the control tick.
@@ -71,6 +73,7 @@ impl Link {
             set_up: Mutex::new(SetUp {
                 settings: ServoSettings::NONE,
                 request: None,
+                is_new: false,
             }),
             status: Mutex::new(LoopStatus {
                 report: ServoReport::NONE,
@@ -108,6 +111,7 @@ impl Link {
     /// What masters have set and ask for. For the task of the dictionary, as the next one.
     pub fn set_up(&self, settings: ServoSettings, request: Option<Request>) {
         let mut set_up = self.set_up.lock();
+        set_up.is_new |= request.is_some() || set_up.settings != settings;
         set_up.settings = settings;
         if request.is_some() {
             set_up.request = request;
@@ -136,30 +140,42 @@ impl Link {
         f();
     }
 
-    /// For the interrupt.
-    pub(super) fn orders(&self) -> Option<Orders> {
-        self.orders.try_lock().map(|orders| *orders)
+    /// For the interrupt, as all that follows. Nothing is copied that is not asked for: that takes a part of its time.
+    #[inline]
+    pub(super) fn take_orders(&self, take: impl FnOnce(&Orders)) {
+        if let Some(orders) = self.orders.try_lock() {
+            take(&orders);
+        }
     }
 
-    pub(super) fn take_set_up(&self) -> Option<SetUp> {
-        self.set_up.try_lock().map(|mut set_up| SetUp {
-            settings: set_up.settings,
-            request: set_up.request.take(),
-        })
+    /// What is set up, if that is new, or `again`.
+    #[inline]
+    pub(super) fn take_set_up(
+        &self,
+        again: bool,
+        take: impl FnOnce(&ServoSettings, Option<Request>),
+    ) {
+        if let Some(mut set_up) = self.set_up.try_lock()
+            && (again || set_up.is_new)
+        {
+            set_up.is_new = false;
+            let request = set_up.request.take();
+            take(&set_up.settings, request);
+        }
     }
 
-    pub(super) fn publish(&self, status: LoopStatus, lead: u16) {
-        put(self.status.try_lock(), status);
+    #[inline]
+    pub(super) fn publish(&self, lead: u16, status: impl FnOnce() -> LoopStatus) {
+        if let Some(mut place) = self.status.try_lock() {
+            *place = status();
+        }
         self.lead.store(lead, Ordering::Relaxed);
     }
 
-    pub(super) fn publish_found(&self, found: Found) {
-        put(self.found.try_lock(), found);
-    }
-}
-
-fn put<T>(place: Option<MutexGuard<'_, T>>, value: T) {
-    if let Some(mut place) = place {
-        *place = value;
+    /// Returns whether it is told.
+    #[inline]
+    pub(super) fn publish_found(&self, found: &Found) -> bool {
+        let place = self.found.try_lock();
+        place.map(|mut place| *place = *found).is_some()
     }
 }

@@ -83,10 +83,10 @@ pub(super) struct Measurement {
 }
 
 impl Loops {
-    /// Sets up the loops; the motor that they go by while there is no power.
-    pub fn set_up(&mut self, settings: &ServoSettings) {
+    /// Sets up the loops; the motor that they go by while there is no power. Returns whether all of it is taken over.
+    pub fn set_up(&mut self, settings: &ServoSettings) -> bool {
         if *settings == self.settings {
-            return;
+            return true;
         }
         let gains = ServoSettings {
             motor: self.settings.motor,
@@ -154,6 +154,7 @@ impl Loops {
                 self.sensor.restart();
             }
         }
+        self.settings == *settings
     }
 
     /// Where the magnet is, and which way the encoder counts.

@@ -144,6 +144,48 @@ fn who_has_locked_a_part_is_not_waited_for() {
     assert_eq!(link.status().report.demand, 4_000);
 }
 
+/// It is told once, and looked at again until it is taken over.
+#[test]
+fn a_motor_that_is_set_with_the_power_on_is_taken_over_once_it_is_off() {
+    let (mut current, _, link) = linked(Some(Angle::ZERO));
+    link.energise(true);
+    run(&mut current, 10, &AT_REST);
+    let settings = ServoSettings {
+        motor: [700_000, 0, 0, 0, 0, 0],
+        ..ServoSettings::NONE
+    };
+    link.set_up(settings, None);
+    run(&mut current, 10, &AT_REST);
+    assert_eq!(current.loops.motor().resistance, 0.6);
+    link.energise(false);
+    run(&mut current, 10, &AT_REST);
+    assert!((current.loops.motor().resistance - 0.7).abs() < 1e-6);
+}
+
+#[test]
+fn what_a_measurement_has_found_is_told_also_if_it_ends_at_once() {
+    let (mut current, _, link) = linked(Some(Angle::ZERO));
+    run(&mut current, 10, &AT_REST);
+    let request = Request::Motor {
+        current: 500,
+        distance: 500,
+        bandwidth: 0,
+    };
+    link.set_up(ServoSettings::NONE, Some(request));
+    run(&mut current, 10, &AT_REST);
+    let found = link.found();
+    assert_eq!((found.state, found.failure), (7, 8), "no power");
+    link.energise(true);
+    run(&mut current, 10, &AT_REST);
+    link.set_up(ServoSettings::NONE, Some(request));
+    run(&mut current, 10, &AT_REST);
+    assert_eq!(link.found().state, 1);
+    link.energise(false);
+    run(&mut current, 10, &AT_REST);
+    let found = link.found();
+    assert_eq!((found.state, found.failure), (7, 1), "the power went off");
+}
+
 #[test]
 fn records_pass_in_time() {
     let (_, mut port, _) = linked(Some(Angle::ZERO));
@@ -176,7 +218,7 @@ fn an_edge_is_where_the_timer_was() {
         report,
         ..link::LoopStatus::default()
     };
-    link.publish(status, 0);
+    link.publish(0, || status);
     assert_eq!(port.position(), -700);
     assert_eq!(port.position_at(64_310), -690);
     assert_eq!(port.position_at(64_290), -710);
