@@ -22,7 +22,7 @@
 
 use crate::Angle;
 use crate::field_weakening::FieldWeakening;
-use crate::modulation::Modulation;
+use crate::modulation::{Modulation, Widths};
 use crate::motor::{Implausible, Motor, Wiring};
 use crate::number::{is_within, limit, root, within};
 use crate::transform::{Rotor, Stator};
@@ -322,11 +322,11 @@ impl CurrentLoop {
         }
     }
 
-    /// Pulse widths for a current in A, from half a period after the sample on for a period; [`Modulation::widths`] tells what they are.
+    /// Pulse widths for a current in A, from half a period after the sample on for a period.
     ///
     /// # Errors
     /// The gates are to be off. It stays so until [`CurrentLoop::start`].
-    pub fn run(&mut self, sample: &Sample, demand: Rotor) -> Result<[f32; 3], Trip> {
+    pub fn run(&mut self, sample: &Sample, demand: Rotor) -> Result<Widths, Trip> {
         let current = Stator::of_phases(self.wiring, sample.currents);
         let angle = sample.angle.sine_cosine();
         let current = current.from_rotor(angle);

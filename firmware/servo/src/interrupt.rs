@@ -6,6 +6,7 @@
 
 use crate::current_loop::{Sample, Trip};
 use crate::feedback::{Incremental, Observer};
+use crate::modulation::Widths;
 use crate::motor::Implausible;
 use crate::number::is_within;
 use crate::offsets::CurrentSense;
@@ -95,7 +96,7 @@ impl CurrentInterrupt {
     ///
     /// # Errors
     /// The gates are to be off, until [`CurrentLoop::start`].
-    pub fn run(&mut self, counts: &Counts) -> Result<[f32; 3], Trip> {
+    pub fn run(&mut self, counts: &Counts) -> Result<Widths, Trip> {
         self.encoder.look(counts.timer);
         self.observer.look(self.encoder.angle());
         if self.left > 0 {
@@ -123,7 +124,7 @@ impl CurrentInterrupt {
     ///
     /// # Errors
     /// As [`CurrentInterrupt::run`].
-    pub fn hold(&mut self, counts: &Counts, angle: Angle, current: f32) -> Result<[f32; 3], Trip> {
+    pub fn hold(&mut self, counts: &Counts, angle: Angle, current: f32) -> Result<Widths, Trip> {
         let sample = Sample {
             currents: self.sense.amperes(counts.currents),
             bus: f32::from(counts.bus) * self.bus,

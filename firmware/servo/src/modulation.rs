@@ -5,24 +5,56 @@
 //!
 //! The dead time takes `bus · dead time / period` from a half bridge in the direction of its current, twice that from a full bridge. It is given back by
 //! the sign of the current, bent to nothing below the ripple, where the current passes zero within a period.
+//!
+//! A voltage becomes whole numbers before the phases are compared: the core bounds one of these by one instruction, a float by four.
 
 use crate::motor::{Implausible, Wiring};
-use crate::number::{greater, is_within, lesser, limit, within};
+use crate::number::is_within;
 use crate::transform::Stator;
 
 /// 1/√3: the share of the bus that three phases can have as their amplitude.
 const THREE_PHASE_REACH: f32 = 0.577_350_3;
 
+/// The pulse widths of a period, in parts of 2¹⁵: a half bridge has the lower switch on all the time at −2¹⁵, both as long at 0; a full
+/// bridge gives that share of the bus. The third of two phases is 0.
+pub type Widths = [i16; 3];
+
+/// The mean of each phase in a period, as a share of the bus: of three phases against its lower side, from 0 to 1; of two from one side of a full bridge to the
+/// other, from −1 to 1.
+pub fn shares(wiring: Wiring, widths: Widths) -> [f32; 3] {
+    widths.map(|width| {
+        let share = f32::from(width) * (1.0 / 32_768.0);
+        match wiring {
+            Wiring::TwoPhase => share,
+            Wiring::ThreePhase => 0.5 + 0.5 * share,
+        }
+    })
+}
+
+/// Within the reach a phase has 15 bits and a sign, a current within the ripple 12.
+const REACH_BITS: u32 = 15;
+const RIPPLE_BITS: u32 = 12;
+
+/// From −2 to the power of the bits to one less than that on the other side.
+#[inline(always)]
+fn held(value: i32, bits: u32) -> i32 {
+    value.clamp(-(1 << bits), (1 << bits) - 1)
+}
+
 /// The modulation of a power stage.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Modulation {
     wiring: Wiring,
-    /// What of the period is lost in dead time.
-    lost: f32,
-    /// 1 / ripple, in 1/A.
+    /// What is lost in dead time, in parts of the reach.
+    lost: i32,
+    /// Parts of the ripple in 1 A.
     by_ripple: f32,
-    /// The greatest share of the period that is switched.
-    reach: f32,
+    /// The greatest amplitude of a voltage, as a share of the bus.
+    max_share: f32,
+    /// Parts of the reach in the share 1 of the bus.
+    by_reach: f32,
+    /// The greatest width.
+    reach: i32,
 }
 
 impl Modulation {
@@ -40,14 +72,19 @@ impl Modulation {
         let is_one = is_within(dead_time, 0.0, 0.2)
             && is_within(ripple, 1e-3, 1e3)
             && is_within(reach, 0.1, 1.0);
+        let whole = (1 << REACH_BITS) as f32;
+        let (max_share, by_reach) = match wiring {
+            Wiring::TwoPhase => (reach, whole / reach),
+            Wiring::ThreePhase => (reach * THREE_PHASE_REACH, 2.0 * whole / reach),
+        };
         let modulation = Self {
             wiring,
-            lost: match wiring {
-                Wiring::TwoPhase => dead_time + dead_time,
-                Wiring::ThreePhase => dead_time,
-            },
-            by_ripple: 1.0 / ripple,
-            reach,
+            // A full bridge loses it on both sides, and has twice the bus from one end of its reach to the other.
+            lost: (dead_time * 2.0 * whole / reach) as i32,
+            by_ripple: (1 << RIPPLE_BITS) as f32 / ripple,
+            max_share,
+            by_reach,
+            reach: (reach * whole) as i32,
         };
         is_one.then_some(modulation).ok_or(Implausible)
     }
@@ -55,28 +92,35 @@ impl Modulation {
     /// The greatest amplitude of a voltage on this bus, in V.
     #[inline]
     pub fn max_voltage(&self, bus: f32) -> f32 {
-        match self.wiring {
-            Wiring::TwoPhase => bus * self.reach,
-            Wiring::ThreePhase => bus * self.reach * THREE_PHASE_REACH,
-        }
+        bus * self.max_share
     }
 
-    /// The pulse widths of a voltage, with the currents of the phases, on a bus by whose inverse it is multiplied. Of three phases from 0 to 1; of two
-    /// from −1 to 1, as a share of the bus.
+    /// The pulse widths of a voltage, with the currents of the phases, on a bus by whose inverse it is multiplied.
     #[inline]
-    pub fn widths(&self, voltage: Stator, currents: [f32; 3], by_bus: f32) -> [f32; 3] {
-        let [a, b, c] = voltage.phases(self.wiring);
+    pub fn widths(&self, voltage: Stator, currents: [f32; 3], by_bus: f32) -> Widths {
+        let parts = self.by_reach * by_bus;
+        let [a, b, c] = Stator {
+            alpha: voltage.alpha * parts,
+            beta: voltage.beta * parts,
+        }
+        .phases(self.wiring);
         let [ia, ib, ic] = currents;
-        let given_back = |current: f32| self.lost * within(current * self.by_ripple, -1.0, 1.0);
-        let (a, b) = (a * by_bus + given_back(ia), b * by_bus + given_back(ib));
+        // What is no number is 0 here. Four times the reach and what is lost, again up to four times that, are far from the end of the range.
+        let phase = |voltage: f32, current: f32| {
+            let sign = held((current * self.by_ripple) as i32, RIPPLE_BITS);
+            held(voltage as i32, REACH_BITS + 2)
+                + ((self.lost * sign + (1 << (RIPPLE_BITS - 1))) >> RIPPLE_BITS)
+        };
+        let width = |phase: i32| {
+            ((held(phase, REACH_BITS) * self.reach + (1 << (REACH_BITS - 1))) >> REACH_BITS) as i16
+        };
+        let (a, b) = (phase(a, ia), phase(b, ib));
         match self.wiring {
-            Wiring::TwoPhase => [limit(a, self.reach), limit(b, self.reach), 0.0],
+            Wiring::TwoPhase => [width(a), width(b), 0],
             Wiring::ThreePhase => {
-                let c = c * by_bus + given_back(ic);
-                let (max, least) = (greater(a, greater(b, c)), lesser(a, lesser(b, c)));
-                let middle = 0.5 - 0.5 * (max + least);
-                let edge = 0.5 - 0.5 * self.reach;
-                [a, b, c].map(|phase| within(phase + middle, edge, 1.0 - edge))
+                let c = phase(c, ic);
+                let middle = (a.max(b).max(c) + a.min(b).min(c)) >> 1;
+                [a, b, c].map(|phase| width(phase - middle))
             }
         }
     }
@@ -98,9 +142,10 @@ mod tests {
                 let wanted = Rotor { d: modulation.max_voltage(bus) * part, q: 0.0 }
                     .beside_stator(Angle::from_bits(bits).sine_cosine());
                 let widths = modulation.widths(wanted, [0.0; 3], 1.0 / bus);
-                let made = Stator::of_phases(wiring, widths.map(|width| width * bus));
-                prop_assert!((made.alpha - wanted.alpha).abs() < 1e-3);
-                prop_assert!((made.beta - wanted.beta).abs() < 1e-3);
+                let shares = shares(wiring, widths);
+                let made = Stator::of_phases(wiring, shares.map(|share| share * bus));
+                prop_assert!((made.alpha - wanted.alpha).abs() < 1e-4 * bus);
+                prop_assert!((made.beta - wanted.beta).abs() < 1e-4 * bus);
             }
         }
 
@@ -111,8 +156,7 @@ mod tests {
             for wiring in [Wiring::TwoPhase, Wiring::ThreePhase] {
                 let modulation = Modulation::new(wiring, 0.01, 0.1, reach).unwrap();
                 for width in modulation.widths(Stator { alpha, beta }, [a, b, c], by_bus) {
-                    prop_assert!((-reach..=1.0).contains(&width), "{}", width);
-                    prop_assert!(wiring == Wiring::TwoPhase || width >= 0.0);
+                    prop_assert!(f32::from(width).abs() <= reach * 32_768.0 + 1.0, "{}", width);
                 }
             }
         }
@@ -123,14 +167,12 @@ mod tests {
         let modulation = Modulation::new(Wiring::ThreePhase, 0.01, 0.1, 1.0).unwrap();
         let none = Stator::default();
         let widths = modulation.widths(none, [1.0, -0.05, -0.95], 1.0 / 48.0);
-        let made = [widths[0] - widths[2], widths[1] - widths[2]];
-        assert!((made[0] - 0.02).abs() < 1e-6 && (made[1] - 0.005).abs() < 1e-6);
+        let [a, b, c] = shares(Wiring::ThreePhase, widths);
+        assert!((a - c - 0.02).abs() < 5e-5 && (b - c - 0.005).abs() < 5e-5);
         let modulation = Modulation::new(Wiring::TwoPhase, 0.01, 0.1, 1.0).unwrap();
         let widths = modulation.widths(none, [1.0, -1.0, 0.0], 1.0 / 48.0);
-        assert_eq!(
-            widths,
-            [0.02, -0.02, 0.0],
-            "both sides of a full bridge switch"
-        );
+        let [a, b, _] = shares(Wiring::TwoPhase, widths);
+        // Both sides of a full bridge switch.
+        assert!((a - 0.02).abs() < 1e-4 && (b + 0.02).abs() < 1e-4);
     }
 }

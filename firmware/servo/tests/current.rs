@@ -254,7 +254,7 @@ proptest! {
                 };
                 if let Ok(widths) = current.run(&sample, Rotor { d: c, q: demand_q }) {
                     for width in widths {
-                        prop_assert!((-1.0..=1.0).contains(&width), "{}", width);
+                        prop_assert!(width.abs() <= (0.96 * 32_768.0) as i16, "{}", width);
                     }
                 } else {
                     current.start();

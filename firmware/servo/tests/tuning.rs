@@ -4,6 +4,7 @@ mod rig;
 
 use rig::{HALF, PERIOD, modulation};
 use servo::current_loop::Trip;
+use servo::modulation::shares;
 use servo::protection::Bus;
 use servo::tuning::{Failure, Measured, Seen, Setup, Step, Tuning};
 use servo::{Angle, Wiring};
@@ -201,7 +202,7 @@ fn tune(
             }
         };
         plant.run(HALF);
-        plant.gates = Gates::On(widths.map(f64::from));
+        plant.gates = Gates::On(shares(setup.wiring, widths).map(f64::from));
         plant.run(HALF);
         for current in plant.phase_currents() {
             way.current = way.current.max(current.abs());
@@ -340,7 +341,11 @@ fn no_input_makes_a_width_that_is_none() {
             timer: chance.bits() as u16,
         };
         match tuning.run(&seen) {
-            Step::Widths(widths) => assert!(widths.iter().all(|width| width.abs() <= 1.0)),
+            Step::Widths(widths) => assert!(
+                widths
+                    .iter()
+                    .all(|width| width.abs() <= (0.96 * 32_768.0) as i16)
+            ),
             Step::Done(_) | Step::Failed(_) => {
                 assert!(period > 0);
                 tuning = Tuning::new(setup(&data, 1.7, 1.7)).unwrap();

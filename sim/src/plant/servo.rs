@@ -8,6 +8,7 @@ use runtime::servo::{Feedback, Loops, ServoData, StageData, error_code};
 use servo::control::Fault;
 use servo::feedback::absolute::{ENTRIES, NO_ERROR};
 use servo::interrupt::Counts;
+use servo::modulation::shares;
 use servo::{Angle, Motor, Wiring};
 use servo_plant::data::{Phases, PlantData};
 use servo_plant::{Gates, Plant, axes};
@@ -308,7 +309,9 @@ impl ServoMotor {
         self.loops.control(&counts, since, origin, hot);
         self.plant.run(HALF);
         self.plant.gates = match (widths, self.fault()) {
-            (Some(widths), None) => Gates::On(widths.map(f64::from)),
+            (Some(widths), None) => {
+                Gates::On(shares(self.loops.motor().wiring, widths).map(f64::from))
+            }
             _ => Gates::Off,
         };
         self.plant.run(HALF);

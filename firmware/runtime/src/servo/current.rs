@@ -6,6 +6,7 @@
 //! ```
 
 use servo::interrupt::Counts;
+use servo::modulation::Widths;
 
 use super::link::{Link, LoopStatus};
 use super::{Loops, error_code, leads};
@@ -53,7 +54,7 @@ impl Current {
 
     /// A period: pulse widths, or none where the gates are to be off.
     #[inline]
-    pub fn period(&mut self, counts: &Counts) -> Option<[f32; 3]> {
+    pub fn period(&mut self, counts: &Counts) -> Option<Widths> {
         let widths = self.loops.period(counts, self.temperature);
         widths.filter(|_| self.loops.fault().is_none())
     }

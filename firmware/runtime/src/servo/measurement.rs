@@ -6,6 +6,7 @@ use servo::Angle;
 use servo::cascade::Gains;
 use servo::control::Fault;
 use servo::interrupt::Counts;
+use servo::modulation::Widths;
 use servo::motor::Implausible;
 use servo::tuning::{Chirp, Failure, Measured, Seen, Setup, Step, Tuning};
 
@@ -345,7 +346,7 @@ impl Loops {
     }
 
     /// A period of it.
-    pub(super) fn measure(&mut self, counts: &Counts, hot: i16) -> Option<[f32; 3]> {
+    pub(super) fn measure(&mut self, counts: &Counts, hot: i16) -> Option<Widths> {
         let bus = self.bus(counts);
         self.look(counts);
         let tuning = self.measurement.tuning.as_mut()?;

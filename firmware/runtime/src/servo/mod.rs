@@ -26,6 +26,7 @@ use servo::control::{Fault, Report, Seen};
 use servo::feedback::commutation::Step;
 use servo::feedback::{Commutation, Incremental, Observer};
 use servo::interrupt::Counts;
+use servo::modulation::Widths;
 use servo::offsets::{Calibration, CurrentSense};
 use servo::transform::Rotor;
 use servo::{Angle, Control, CurrentInterrupt, Implausible, Motor, Wiring};
@@ -191,7 +192,7 @@ impl Loops {
 
     /// A period of the modulation, with the stage so hot, in 0.1 °C: the pulse widths; without any the gates are to be off.
     #[inline]
-    pub fn period(&mut self, counts: &Counts, hot: i16) -> Option<[f32; 3]> {
+    pub fn period(&mut self, counts: &Counts, hot: i16) -> Option<Widths> {
         let is_off = !self.is_on || self.settings.is_barred;
         let widths = if is_off || self.fault.is_some() {
             self.look(counts);
@@ -264,7 +265,7 @@ impl Loops {
     }
 
     /// A period before the loops run.
-    fn get_ready(&mut self, counts: &Counts) -> Option<[f32; 3]> {
+    fn get_ready(&mut self, counts: &Counts) -> Option<Widths> {
         if self.begin == Begin::Sensors {
             match self.interrupt.sense.learn(counts.currents) {
                 Calibration::Running => {}

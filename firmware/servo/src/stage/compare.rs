@@ -26,17 +26,18 @@ impl Counter {
         Self { top }
     }
 
-    /// That of a half bridge with a width from 0 to 1. NaN is 0.
+    /// That of a half bridge, by its [width](crate::modulation::Widths).
     #[inline]
-    pub fn half_bridge(&self, width: f32) -> u16 {
-        (between(width, 0.0, 1.0) * f32::from(self.top) + 0.5) as u16
+    pub const fn half_bridge(&self, width: i16) -> u16 {
+        let on = (width as i32 + (1 << 15)).cast_unsigned();
+        ((on * self.top as u32 + (1 << 15)) >> 16) as u16
     }
 
-    /// Those of the two sides of a full bridge with a width from −1 to 1: half of it more on one, half less on the other. NaN is 0.
+    /// Those of the two sides of a full bridge: half of its width more on one, half less on the other.
     #[inline]
-    pub fn full_bridge(&self, width: f32) -> [u16; 2] {
-        let half = 0.5 * between(width, -1.0, 1.0);
-        [0.5 + half, 0.5 - half].map(|width| self.half_bridge(width))
+    pub const fn full_bridge(&self, width: i16) -> [u16; 2] {
+        let side = self.half_bridge(width);
+        [side, self.top - side]
     }
 
     /// Those of a half bridge that burns for a share of the time, from 0 to 0.95, in a resistor against the lower side: the lower switch is on below the first, the
@@ -47,7 +48,7 @@ impl Counter {
         if share <= 0.0 {
             return [0, self.top + 1];
         }
-        let upper = self.top - self.half_bridge(share);
+        let upper = self.top - (share * f32::from(self.top) + 0.5) as u16;
         [upper.saturating_sub(dead), upper]
     }
 }
@@ -61,11 +62,12 @@ mod tests {
 
     #[test]
     fn widths_become_counts() {
-        let counts = [0.0, 0.25, 1.0, 2.0, -1.0, f32::NAN].map(|width| COUNTER.half_bridge(width));
-        assert_eq!(counts, [0, 1_050, 4_200, 4_200, 0, 0]);
-        assert_eq!(COUNTER.full_bridge(0.0), [2_100, 2_100]);
-        assert_eq!(COUNTER.full_bridge(-0.5), [1_050, 3_150]);
-        assert_eq!(COUNTER.full_bridge(f32::NAN), [2_100, 2_100]);
+        let counts =
+            [i16::MIN, -16_384, 0, 16_384, i16::MAX].map(|width| COUNTER.half_bridge(width));
+        assert_eq!(counts, [0, 1_050, 2_100, 3_150, 4_200]);
+        assert_eq!(COUNTER.full_bridge(0), [2_100, 2_100]);
+        assert_eq!(COUNTER.full_bridge(-16_384), [1_050, 3_150]);
+        assert_eq!(Counter::new(65_534).full_bridge(i16::MAX), [65_533, 1]);
     }
 
     #[test]

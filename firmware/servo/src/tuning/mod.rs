@@ -18,7 +18,7 @@ mod turning;
 mod winding;
 
 use crate::current_loop::{CurrentConfig, Trip};
-use crate::modulation::Modulation;
+use crate::modulation::{Modulation, Widths};
 use crate::motor::Implausible;
 use crate::number::is_within;
 use crate::transform::{Rotor, Stator};
@@ -117,7 +117,7 @@ pub enum Failure {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Step {
     /// Pulse widths, as [`CurrentLoop::run`] gives them.
-    Widths([f32; 3]),
+    Widths(Widths),
     /// It is over: the gates are to be off, or the loops to go on.
     Done(Measured),
     /// The gates are to be off.
@@ -146,7 +146,7 @@ enum Part {
 
 /// What a part makes of a period.
 enum Next {
-    Widths([f32; 3]),
+    Widths(Widths),
     Voltage(Stator),
     Finished,
 }

@@ -4,7 +4,7 @@
 
 use servo::current_loop::{CurrentConfig, Sample, Trip};
 use servo::feedback::{Incremental, Observer};
-use servo::modulation::Modulation;
+use servo::modulation::{Modulation, shares};
 use servo::transform::Rotor;
 use servo::{Angle, CurrentLoop, Motor, Wiring};
 use servo_plant::data::{Phases, PlantData};
@@ -102,7 +102,7 @@ impl Rig {
         let widths = self.current.run(sample, demand);
         self.plant.run(HALF);
         self.plant.gates = match widths {
-            Ok(widths) => Gates::On(widths.map(f64::from)),
+            Ok(widths) => Gates::On(shares(self.motor.wiring, widths).map(f64::from)),
             Err(_) => Gates::Off,
         };
         self.tripped = widths.err();

@@ -9,6 +9,7 @@ use ::servo::filter::Filter;
 use ::servo::interrupt::Counts;
 use ::servo::modulation::Modulation;
 use ::servo::offsets::CurrentSense;
+use ::servo::stage::Counter;
 use ::servo::transform::Rotor;
 use ::servo::{Cascade, CurrentInterrupt, CurrentLoop, Motor, Wiring};
 
@@ -17,8 +18,8 @@ use crate::{count, row};
 /// Of the modulation, in s.
 const PERIOD: f32 = 50e-6;
 
-/// A half period in counts of the timer.
-const TIMER: f32 = 4_200.0;
+/// Half a period is 4,200 counts of the timer.
+const COUNTER: Counter = Counter::new(4_200);
 
 const MOTOR: Motor = Motor {
     wiring: Wiring::ThreePhase,
@@ -51,13 +52,13 @@ fn interrupt(motor: &Motor, weakening: f32) -> CurrentInterrupt {
 
 /// Counts in, compare values out.
 #[inline(never)]
-fn period(interrupt: &mut CurrentInterrupt, counts: &Counts, middle: f32) -> Option<[u16; 3]> {
+fn period(interrupt: &mut CurrentInterrupt, counts: &Counts) -> Option<[u16; 3]> {
     let widths = interrupt.run(counts).ok()?;
-    Some(widths.map(|width| (middle + width * TIMER) as u16))
+    Some(widths.map(|width| COUNTER.half_bridge(width)))
 }
 
 /// The worst of a thousand periods of a motor that turns, while its current is noisy.
-fn worst(mut interrupt: CurrentInterrupt, middle: f32) -> u32 {
+fn worst(mut interrupt: CurrentInterrupt) -> u32 {
     let (mut worst, mut made) = (0, 0);
     for at in 0..1_000_u16 {
         let noise = at.wrapping_mul(2_053) % 200;
@@ -73,7 +74,7 @@ fn worst(mut interrupt: CurrentInterrupt, middle: f32) -> u32 {
             bus: 3_000,
             timer: at.wrapping_mul(25),
         });
-        let (count, widths) = count(|| period(&mut interrupt, &counts, middle));
+        let (count, widths) = count(|| period(&mut interrupt, &counts));
         made += u32::from(widths.is_some_and(|widths| widths.iter().any(|width| *width > 0)));
         worst = worst.max(count);
     }
@@ -113,11 +114,11 @@ fn cascade() -> u32 {
 pub fn run() {
     row(
         "servo: current interrupt, three phases",
-        worst(interrupt(&MOTOR, 0.0), 0.0),
+        worst(interrupt(&MOTOR, 0.0)),
     );
     row(
         "servo: current interrupt, three phases, field weakened",
-        worst(interrupt(&MOTOR, 8.0), 0.0),
+        worst(interrupt(&MOTOR, 8.0)),
     );
     let stepper = Motor {
         wiring: Wiring::TwoPhase,
@@ -126,7 +127,7 @@ pub fn run() {
     };
     row(
         "servo: current interrupt, two phases",
-        worst(interrupt(&stepper, 0.0), TIMER),
+        worst(interrupt(&stepper, 0.0)),
     );
     row("servo: position and velocity loop", cascade());
 }

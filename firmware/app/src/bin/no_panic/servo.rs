@@ -40,6 +40,10 @@ fn show(number: f32) {
     look(number.to_bits());
 }
 
+fn width(width: i16) {
+    look(width as u32);
+}
+
 pub fn motor() -> Result<Motor, Implausible> {
     Motor {
         wiring: if any() == 0 {
@@ -99,7 +103,7 @@ pub fn servo() -> Result<(), Implausible> {
                     timer: any() as u16,
                 };
                 let widths = interrupt.run(&counts);
-                widths.into_iter().flatten().for_each(show);
+                widths.into_iter().flatten().for_each(width);
             }
             12 => above(&motor)?,
             13 => field(&motor)?,
@@ -128,7 +132,7 @@ pub fn servo() -> Result<(), Implausible> {
                     },
                 };
                 match current.run(&sample, rotor()) {
-                    Ok(widths) => widths.into_iter().for_each(show),
+                    Ok(widths) => widths.into_iter().for_each(width),
                     Err(trip) => look(trip as u32),
                 }
             }
@@ -172,7 +176,7 @@ fn tuned(wiring: Wiring, modulation: Modulation) -> Result<(), Implausible> {
             timer: any() as u16,
         };
         match tuning.run(&seen) {
-            tuning::Step::Widths(widths) => widths.map(show),
+            tuning::Step::Widths(widths) => widths.map(width),
             tuning::Step::Done(found) => [found.resistance, found.flux, found.inertia].map(show),
             tuning::Step::Failed(failure) => {
                 [f32::from(u8::from(failure == tuning::Failure::Held)); 3].map(show)

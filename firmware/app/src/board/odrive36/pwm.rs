@@ -1,5 +1,6 @@
 //! TIM1 has the three half bridges of M0; TIM2 the half bridge of the brake resistor, AUX.
 
+use servo::modulation::Widths;
 use servo::stage::Counter;
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
@@ -67,9 +68,9 @@ impl Bridges {
 
 impl servo_stage::Bridges for Bridges {
     #[inline]
-    fn put(&mut self, widths: Option<[f32; 3]>) {
+    fn put(&mut self, widths: Option<Widths>) {
         self.motor.put(widths, |timer, [a, b, c]| {
-            let put = |width: f32| COUNTER.half_bridge(width).into();
+            let put = |width: i16| COUNTER.half_bridge(width).into();
             // SAFETY: compare values up to the top.
             unsafe {
                 timer.ccr1().write(|w| w.bits(put(a)));

@@ -14,6 +14,7 @@ pub mod stage;
 use core::mem::MaybeUninit;
 use core::ptr::addr_of_mut;
 
+use ::servo::modulation::Widths;
 use cortex_m::peripheral::NVIC;
 use motion::DriverTiming;
 use runtime::servo::{self, Link, Loops, Port};
@@ -44,7 +45,7 @@ pub trait Bridges {
     }
 
     /// The widths that act from the bottom of the count on; without any all switches are off.
-    fn put(&mut self, widths: Option<[f32; 3]>);
+    fn put(&mut self, widths: Option<Widths>);
 
     /// The share of the time for which a brake resistor burns.
     fn burn(&mut self, share: f32) {

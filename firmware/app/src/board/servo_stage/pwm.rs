@@ -6,6 +6,7 @@
 
 use core::sync::atomic::{AtomicBool, Ordering};
 
+use servo::modulation::Widths;
 use servo::stage::Counter;
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
@@ -99,7 +100,7 @@ impl Motor {
     /// The widths that act from the bottom on, by `write` to the compare values; without any all
     /// switches are off.
     #[inline]
-    pub fn put(&mut self, widths: Option<[f32; 3]>, write: impl FnOnce(&pac::TIM1, [f32; 3])) {
+    pub fn put(&mut self, widths: Option<Widths>, write: impl FnOnce(&pac::TIM1, Widths)) {
         let Some(widths) = widths else {
             self.is_armed = false;
             gates_off();

@@ -10,6 +10,7 @@
 //! An input that is low turns the lower switch on, so the enable alone takes the current:
 //! it is what the gates are here.
 
+use servo::modulation::Widths;
 use servo::stage::BridgeDriver;
 use stm32f4xx_hal::gpio::{Input, Output, PA3, PB13};
 use stm32f4xx_hal::pac;
@@ -60,7 +61,7 @@ impl servo_stage::Bridges for Bridges {
     }
 
     #[inline]
-    fn put(&mut self, widths: Option<[f32; 3]>) {
+    fn put(&mut self, widths: Option<Widths>) {
         self.motor.put(widths, |timer, [a, b, _]| {
             let [a, back_a] = COUNTER.full_bridge(a).map(u32::from);
             let [b, back_b] = COUNTER.full_bridge(b).map(u32::from);
