@@ -63,11 +63,8 @@ impl Angle {
         let sine = SINES.get(entry).copied().unwrap_or(0.0);
         let cosine = SINES.get(entry + ENTRIES / 4).copied().unwrap_or(0.0);
         let beyond = (self.0 & 0x00FF_FFFF) as f32 * PART;
-        let square = beyond * beyond * 0.5;
-        (
-            sine + beyond * cosine - square * sine,
-            cosine - beyond * sine - square * cosine,
-        )
+        let near = 1.0 - 0.5 * beyond * beyond;
+        (near * sine + beyond * cosine, near * cosine - beyond * sine)
     }
 }
 

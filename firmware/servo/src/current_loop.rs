@@ -20,12 +20,18 @@
 //! current that is asked for stays in its own circle, d first.
 //! A current above the trip, a bus outside its bounds, or NaN, ends it: the gates are to be off until [`CurrentLoop::start`].
 
+mod axis;
+
+use core::hint::cold_path;
+
 use crate::Angle;
 use crate::field_weakening::FieldWeakening;
 use crate::modulation::{Modulation, Widths};
 use crate::motor::{Implausible, Motor, Wiring};
-use crate::number::{is_within, limit, root, within};
-use crate::transform::{Rotor, Stator};
+use crate::number::{greater, is_within, lesser, limit, root, root_of_number};
+use crate::transform::{Clarke, Rotor};
+use axis::Axis;
+pub use axis::{SOFTEST, STIFFEST};
 
 /// The fastest electrical speed that is reckoned with, in rad/s.
 const FASTEST: f32 = 50_000.0;
@@ -33,16 +39,8 @@ const FASTEST: f32 = 50_000.0;
 /// 2³² / 2π.
 const BITS_OF_RADIAN: f32 = 683_565_275.0;
 
-/// The least and the greatest response of a winding, as a share of that of its data.
-pub const STIFFEST: f32 = 0.6;
-/// See [`STIFFEST`].
-pub const SOFTEST: f32 = 1.7;
-
-/// How much of a response that was other than foretold is taken over at once.
-const TAKEN_OVER: f32 = 1.2;
-
-/// From this share of the greatest current on a change tells of the response.
-const TELLING: f32 = 0.02;
+/// Below any current.
+const NONE: f32 = -1.0;
 
 /// How the loop is set up.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,8 +85,8 @@ pub struct Sample {
     pub bus: f32,
     /// The electrical angle of the rotor.
     pub angle: Angle,
-    /// The electrical speed of the rotor, in rad/s.
-    pub speed: f32,
+    /// By how much that turns in a period, less than half a turn: [`CurrentLoop::turned_in_period`].
+    pub turn: Angle,
 }
 
 /// Why the gates went off.
@@ -104,97 +102,30 @@ pub enum Trip {
     OverVoltage,
 }
 
-/// The model of one axis of the rotor.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Axis {
-    inductance: f32,
-    /// period / 2 L
-    half: f32,
-    /// share · L / period
-    gain: f32,
-    /// learning · L / period
-    learning: f32,
-    /// A change of the current that tells of the response, squared.
-    telling: f32,
-    /// By how much more the current changes than by the data.
-    response: f32,
-    /// The change of the current in the period, by the data.
-    change: f32,
-    /// The current that the model has foretold for the next sample.
-    expected: f32,
-    /// The voltage that the model does not know.
-    unknown: f32,
-}
-
-impl Axis {
-    fn new(inductance: f32, config: &CurrentConfig) -> Self {
-        let telling = TELLING * config.max_current;
-        Self {
-            inductance,
-            half: 0.5 * config.period / inductance,
-            gain: config.share * inductance / config.period,
-            learning: config.learning * inductance / config.period,
-            telling: telling * telling,
-            response: 1.0,
-            change: 0.0,
-            expected: 0.0,
-            unknown: 0.0,
-        }
-    }
-
-    /// Learns the unknown voltage from the error of the last prediction: the integral of the loop.
-    #[inline]
-    fn learn(&mut self, current: f32, bus: f32) {
-        let away = current - self.expected;
-        let square = self.change * self.change;
-        if square > self.telling {
-            let response = self.response + TAKEN_OVER * self.change * away / square;
-            self.response = within(response, STIFFEST, SOFTEST);
-        }
-        self.unknown = limit(self.unknown - self.learning * away, bus);
-    }
-
-    /// The current half a period later, with a voltage beyond what keeps it.
-    #[inline]
-    fn half_later(&mut self, from: f32, beyond: f32) -> f32 {
-        let change = self.half * beyond;
-        self.change += change;
-        from + self.response * change
-    }
-
-    /// The voltage that takes a share of an error away in a period.
-    #[inline]
-    fn correction(&self, error: f32) -> f32 {
-        self.gain * error / self.response
-    }
-}
-
 /// See the module.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CurrentLoop {
     config: CurrentConfig,
     modulation: Modulation,
     wiring: Wiring,
+    clarke: Clarke,
     resistance: f32,
     flux: f32,
     d: Axis,
     q: Axis,
+    /// A quarter of the period, in s.
     quarter: f32,
+    /// The speed in rad/s that turns by a part of 2³² in a period.
+    by_turn: f32,
     max_square: f32,
     weakening: FieldWeakening,
     /// The voltage that acts, seen from the rotor in the middle of its period.
     voltage: Rotor,
     current: Rotor,
     demand: Rotor,
-    state: State,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum State {
-    /// The next sample is the first.
-    Starting,
-    Running,
-    Tripped(Trip),
+    /// The current of a phase that ends it, in A. Before the first sample of a start and behind a trip it is [`NONE`]: each sample is beyond it, and nothing else need be asked.
+    trip: f32,
+    tripped: Option<Trip>,
 }
 
 impl CurrentLoop {
@@ -222,17 +153,20 @@ impl CurrentLoop {
             config,
             modulation,
             wiring: motor.wiring,
+            clarke: Clarke::new(motor.wiring),
             resistance: motor.resistance,
             flux: motor.flux,
             d: Axis::new(motor.inductance_d, &config),
             q: Axis::new(motor.inductance_q, &config),
             quarter: config.period / 4.0,
+            by_turn: 1.0 / (config.period * BITS_OF_RADIAN),
             max_square: config.max_current * config.max_current,
             weakening: FieldWeakening::new(config.weakening),
             voltage: Rotor::ZERO,
             current: Rotor::ZERO,
             demand: Rotor::ZERO,
-            state: State::Starting,
+            trip: NONE,
+            tripped: None,
         };
         is_one.then_some(current_loop).ok_or(Implausible)
     }
@@ -246,9 +180,8 @@ impl CurrentLoop {
             return Err(Implausible);
         }
         self.config.share = share;
-        for axis in [&mut self.d, &mut self.q] {
-            axis.gain = share * axis.inductance / self.config.period;
-        }
+        self.d.set_share(share);
+        self.q.set_share(share);
         Ok(())
     }
 
@@ -260,7 +193,7 @@ impl CurrentLoop {
         if !is_within(share, 1e-3, 1.0) {
             return Err(Implausible);
         }
-        self.d.gain = share * self.d.inductance / self.config.period;
+        self.d.set_share(share);
         Ok(())
     }
 
@@ -273,9 +206,8 @@ impl CurrentLoop {
             return Err(Implausible);
         }
         self.config.learning = learning;
-        for axis in [&mut self.d, &mut self.q] {
-            axis.learning = learning * axis.inductance / self.config.period;
-        }
+        self.d.set_learning(learning, self.config.period);
+        self.q.set_learning(learning, self.config.period);
         Ok(())
     }
 
@@ -285,7 +217,7 @@ impl CurrentLoop {
         self.d = Axis::new(self.d.inductance, &self.config);
         self.q = Axis::new(self.q.inductance, &self.config);
         self.weakening.reset();
-        self.state = State::Starting;
+        (self.tripped, self.trip) = (None, NONE);
     }
 
     /// The current of the last sample, in A.
@@ -305,7 +237,7 @@ impl CurrentLoop {
 
     /// By how much a speed in electrical rad/s turns in a period.
     pub fn turned_in_period(&self, speed: f32) -> Angle {
-        let turned = limit(speed, FASTEST) * self.quarter * 4.0 * BITS_OF_RADIAN;
+        let turned = limit(speed, FASTEST) * (self.config.period * BITS_OF_RADIAN);
         Angle::from_bits((turned as i32).cast_unsigned())
     }
 
@@ -326,160 +258,206 @@ impl CurrentLoop {
     ///
     /// # Errors
     /// The gates are to be off. It stays so until [`CurrentLoop::start`].
+    #[inline]
     pub fn run(&mut self, sample: &Sample, demand: Rotor) -> Result<Widths, Trip> {
-        let current = Stator::of_phases(self.wiring, sample.currents);
-        let angle = sample.angle.sine_cosine();
-        let current = current.from_rotor(angle);
-        self.check(sample)?;
+        let turned = sample.angle.sine_cosine();
+        let current = self.clarke.stator(sample.currents).from_rotor(turned);
+        if !self.is_held(sample.currents, sample.bus) {
+            cold_path();
+            let [a, b, c] = sample.currents;
+            self.begin(a, b, c, sample.bus, current)?;
+        }
         self.current = current;
-        self.learn(current, sample.bus);
+        self.d.learn(current.d, sample.bus);
+        self.q.learn(current.q, sample.bus);
 
-        let speed = limit(sample.speed, FASTEST);
+        let speed = sample.turn.bits().cast_signed() as f32 * self.by_turn;
+        let keeps = self.keeping(speed);
         // By so much the rotor turns in a quarter of a period: between the middle of a width and the middle of its halves.
         let turn = speed * self.quarter;
         let late = Rotor {
             d: self.voltage.d + turn * self.voltage.q,
             q: self.voltage.q - turn * self.voltage.d,
         };
-        let begin = self.half_later(current, late, self.needed(current, speed));
+        let needed = keeps.needed(current);
+        let first = Rotor {
+            d: late.d - needed.d,
+            q: late.q - needed.q,
+        };
+        let begin = self.later(current, first);
 
         let demand = self.within_limits(demand);
         self.demand = demand;
-        let needed = self.needed(begin, speed);
+        let needed = keeps.needed(begin);
         let wanted = Rotor {
-            d: needed.d + self.d.correction(demand.d - begin.d),
-            q: needed.q + self.q.correction(demand.q - begin.q),
+            d: needed.d + self.d.corrects * (demand.d - begin.d),
+            q: needed.q + self.q.corrects * (demand.q - begin.q),
         };
         let max = self.modulation.max_voltage(sample.bus);
         self.weakening.look(wanted, max);
-        let voltage = in_circle(wanted, max, begin.q * speed < 0.0);
+        let voltage = in_circle(wanted, max, begin.q * speed);
         self.voltage = voltage;
-        let early = Rotor {
-            d: voltage.d - turn * voltage.q,
-            q: voltage.q + turn * voltage.d,
+        let second = Rotor {
+            d: voltage.d - turn * voltage.q - needed.d,
+            q: voltage.q + turn * voltage.d - needed.q,
         };
-        let expected = self.half_later(begin, early, needed);
+        let expected = self.later(begin, second);
         (self.d.expected, self.q.expected) = (expected.d, expected.q);
+        (self.d.beyond, self.q.beyond) = (first.d + second.d, first.q + second.q);
 
-        let ahead = (turn * (4.0 * BITS_OF_RADIAN)) as i32;
-        let middle = sample.angle.plus(Angle::from_bits(ahead.cast_unsigned()));
-        let voltage = voltage.beside_stator(middle.sine_cosine());
+        let middle = sample.angle.plus(sample.turn).sine_cosine();
+        let voltage = voltage.beside_stator(middle);
         let by_bus = 1.0 / sample.bus;
         Ok(self.modulation.widths(voltage, sample.currents, by_bus))
     }
 
-    /// Ends everything if a measured value is beyond its bounds or is NaN.
-    #[inline]
-    fn check(&mut self, sample: &Sample) -> Result<(), Trip> {
+    /// Whether nothing that was measured is beyond its bounds or NaN.
+    #[inline(always)]
+    fn is_held(&self, [a, b, c]: [f32; 3], bus: f32) -> bool {
         let (least, max) = self.config.bus;
-        if self.is_held(sample)
-            && sample.bus >= least
-            && sample.bus <= max
-            && !matches!(self.state, State::Tripped(_))
-        {
+        self.is_below_trip(a)
+            && self.is_below_trip(b)
+            && (self.wiring == Wiring::TwoPhase || self.is_below_trip(c))
+            && bus >= least
+            && bus <= max
+    }
+
+    #[inline(always)]
+    fn is_below_trip(&self, current: f32) -> bool {
+        current.abs() <= self.trip
+    }
+
+    /// The first sample; or it cannot go on.
+    #[cold]
+    #[inline(never)]
+    fn begin(&mut self, a: f32, b: f32, c: f32, bus: f32, current: Rotor) -> Result<(), Trip> {
+        // By themselves they stay in registers.
+        let currents = [a, b, c];
+        if let Some(trip) = self.tripped {
+            return Err(trip);
+        }
+        self.trip = self.config.trip;
+        if self.is_held(currents, bus) {
+            (self.d.expected, self.q.expected) = (current.d, current.q);
             return Ok(());
         }
-        let found = self.cause(sample);
-        self.state = State::Tripped(found);
+        let found = self.cause(currents, bus);
+        (self.tripped, self.trip) = (Some(found), NONE);
         self.voltage = Rotor::ZERO;
         Err(found)
     }
 
-    /// Whether no current is above the trip.
-    #[inline]
-    fn is_held(&self, sample: &Sample) -> bool {
-        let [a, b, c] = sample.currents;
-        let trip = self.config.trip;
-        a.abs() <= trip && b.abs() <= trip && (self.wiring == Wiring::TwoPhase || c.abs() <= trip)
-    }
-
     /// Why it cannot go on.
-    #[cold]
-    fn cause(&self, sample: &Sample) -> Trip {
-        let [a, b, c] = sample.currents;
-        let is_held = self.is_held(sample);
-        match self.state {
-            State::Tripped(trip) => trip,
+    fn cause(&self, currents: [f32; 3], bus: f32) -> Trip {
+        let phases = self.wiring.phases();
+        let is_beyond = |current: &f32| !self.is_below_trip(*current);
+        let sum: f32 = currents.iter().sum();
+        match currents.iter().take(phases).any(is_beyond) {
             // What goes out by one of three phases comes back by the others.
-            _ if !is_held
-                && self.wiring == Wiring::ThreePhase
-                && (a + b + c).abs() > 0.5 * self.config.trip =>
-            {
-                Trip::Short
-            }
-            _ if !is_held => Trip::OverCurrent,
-            _ if sample.bus > self.config.bus.1 => Trip::OverVoltage,
-            _ => Trip::UnderVoltage,
+            true if phases == 3 && sum.abs() > 0.5 * self.config.trip => Trip::Short,
+            true => Trip::OverCurrent,
+            false if bus > self.config.bus.1 => Trip::OverVoltage,
+            false => Trip::UnderVoltage,
         }
     }
 
-    /// Learns the unknown voltage from the error of the last prediction: the integral of the loop.
-    #[inline]
-    fn learn(&mut self, current: Rotor, bus: f32) {
-        if matches!(self.state, State::Starting) {
-            self.state = State::Running;
-            (self.d.expected, self.q.expected) = (current.d, current.q);
+    /// What keeps a current at a speed.
+    #[inline(always)]
+    fn keeping(&self, speed: f32) -> Keeping {
+        Keeping {
+            resistance: self.resistance,
+            across: speed * self.q.inductance,
+            along: speed * self.d.inductance,
+            d: self.d.unknown,
+            q: self.q.unknown + speed * self.flux,
         }
-        self.d.learn(current.d, bus);
-        self.q.learn(current.q, bus);
-        (self.d.change, self.q.change) = (0.0, 0.0);
     }
 
-    /// The voltage with which a current would stay as it is.
-    #[inline]
-    fn needed(&self, current: Rotor, speed: f32) -> Rotor {
-        let magnet = self.d.inductance * current.d + self.flux;
+    /// A current half a period later, with a voltage beyond what keeps it.
+    #[inline(always)]
+    fn later(&self, from: Rotor, beyond: Rotor) -> Rotor {
         Rotor {
-            d: self.resistance * current.d - speed * self.q.inductance * current.q + self.d.unknown,
-            q: self.resistance * current.q + speed * magnet + self.q.unknown,
-        }
-    }
-
-    #[inline]
-    fn half_later(&mut self, from: Rotor, voltage: Rotor, needed: Rotor) -> Rotor {
-        Rotor {
-            d: self.d.half_later(from.d, voltage.d - needed.d),
-            q: self.q.half_later(from.q, voltage.q - needed.q),
+            d: from.d + self.d.changes * beyond.d,
+            q: from.q + self.q.changes * beyond.q,
         }
     }
 
     /// What may be asked for: d first, and of q what the circle leaves.
     #[inline]
     fn within_limits(&self, demand: Rotor) -> Rotor {
-        let max = self.config.max_current;
-        let d = limit(demand.d + self.weakening.current(), max);
-        let q = limit(demand.q, max);
-        let square = d * d;
-        if square + q * q <= self.max_square {
-            return Rotor { d, q };
+        let demand = Rotor {
+            d: demand.d + self.weakening.current(),
+            q: demand.q,
+        };
+        if demand.square() <= self.max_square {
+            return demand;
         }
-        let left = root(self.max_square - square);
+        cold_path();
+        d_first(demand, self.config.max_current, self.max_square)
+    }
+}
+
+/// What keeps a current at the speed of the period.
+#[derive(Clone, Copy)]
+struct Keeping {
+    resistance: f32,
+    /// Of the current across the magnet into d, and of that along it into q, in Ω.
+    across: f32,
+    along: f32,
+    /// What is not known, and the voltage of the magnet.
+    d: f32,
+    q: f32,
+}
+
+impl Keeping {
+    /// The voltage with which a current would stay as it is.
+    #[inline(always)]
+    fn needed(&self, current: Rotor) -> Rotor {
         Rotor {
-            d,
-            q: limit(q, left),
+            d: self.d + self.resistance * current.d - self.across * current.q,
+            q: self.q + self.resistance * current.q + self.along * current.d,
         }
     }
 }
 
-/// A voltage in the circle. While the motor drives d comes first, and q has what is left. While it brakes the voltage is as near as it comes to the one that is
+/// What is beyond a circle by its radius and the square of that: d first, and of q what it leaves. NaN is 0.
+#[inline(never)]
+fn d_first(wanted: Rotor, max: f32, square: f32) -> Rotor {
+    let d = limit(wanted.d, max);
+    let left = lesser(wanted.q.abs(), root_of_number(square - d * d));
+    let q = if wanted.q > 0.0 {
+        left
+    } else if wanted.q < 0.0 {
+        -left
+    } else {
+        0.0
+    };
+    Rotor { d, q }
+}
+
+/// A voltage in the circle. While the motor drives, the current across times the speed not being below 0, d comes first, and q has what is left. While it brakes the voltage is as near as it comes to the one that is
 /// wanted: d first would leave q to the magnet where the current takes the whole voltage, and q would run away. NaN is 0.
-#[inline]
-fn in_circle(wanted: Rotor, max: f32, brakes: bool) -> Rotor {
-    if wanted.square() <= max * max {
+#[inline(always)]
+fn in_circle(wanted: Rotor, max: f32, drives: f32) -> Rotor {
+    let square = max * max;
+    if wanted.square() <= square {
         return wanted;
     }
-    if !brakes {
-        let d = limit(wanted.d, max);
-        return Rotor {
-            d,
-            q: limit(wanted.q, root(max * max - d * d)),
-        };
+    cold_path();
+    if drives >= 0.0 {
+        return d_first(wanted, max, square);
     }
+    nearest(wanted, max)
+}
+
+/// As near as it comes within a circle. NaN is 0.
+#[inline(never)]
+fn nearest(wanted: Rotor, max: f32) -> Rotor {
     let wanted = Rotor {
         d: limit(wanted.d, 1e6),
         q: limit(wanted.q, 1e6),
     };
-    let share = max / root(wanted.square()).max(max);
+    let share = max / greater(root(wanted.square()), max);
     Rotor {
         d: wanted.d * share,
         q: wanted.q * share,

@@ -2,7 +2,7 @@
 //!
 //! An integral of the square of the voltage: above nine tenths of the circle the current in d falls, below it comes back to 0.
 
-use crate::number::{limit, within};
+use crate::number::greater;
 use crate::transform::Rotor;
 
 /// The share of the square of the circle above which the field is weakened: 0.9².
@@ -15,13 +15,19 @@ const RATE: f32 = 0.01;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FieldWeakening {
     max: f32,
+    /// A period's, at max.
+    rate: f32,
     current: f32,
 }
 
 impl FieldWeakening {
     /// With a current of at most so many A; 0 for none.
     pub(crate) const fn new(max: f32) -> Self {
-        Self { max, current: 0.0 }
+        Self {
+            max,
+            rate: RATE * max,
+            current: 0.0,
+        }
     }
 
     /// The current in d, in A: 0 or below.
@@ -40,10 +46,15 @@ impl FieldWeakening {
         if self.max == 0.0 {
             return;
         }
-        let full = FULL * max * max;
-        // Far beyond the circle it moves no faster than with nothing wanted it comes back.
-        let left = limit((full - wanted.square()) / full, 1.0);
-        let current = self.current + RATE * self.max * left;
-        self.current = within(current, -self.max, 0.0);
+        // Far beyond the circle, and by NaN, it moves no faster than with nothing wanted it comes back.
+        let left = greater(1.0 - wanted.square() / (FULL * (max * max)), -1.0);
+        let current = self.current + self.rate * left;
+        self.current = if current > 0.0 {
+            0.0
+        } else if current < -self.max {
+            -self.max
+        } else {
+            current
+        };
     }
 }

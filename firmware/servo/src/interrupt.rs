@@ -108,7 +108,7 @@ impl CurrentInterrupt {
             currents: self.sense.amperes(counts.currents),
             bus: f32::from(counts.bus) * self.bus,
             angle: self.observer.angle(),
-            speed: self.observer.speed(),
+            turn: self.observer.turn(),
         };
         let demand = match &mut self.field {
             Some((from, turned)) => {
@@ -129,7 +129,7 @@ impl CurrentInterrupt {
             currents: self.sense.amperes(counts.currents),
             bus: f32::from(counts.bus) * self.bus,
             angle,
-            speed: 0.0,
+            turn: Angle::ZERO,
         };
         self.current.run(&sample, Rotor { d: current, q: 0.0 })
     }

@@ -84,7 +84,7 @@ impl Modulation {
             by_ripple: (1 << RIPPLE_BITS) as f32 / ripple,
             max_share,
             by_reach,
-            reach: (reach * whole) as i32,
+            reach: ((reach * whole) as i32).min(i32::from(i16::MAX)),
         };
         is_one.then_some(modulation).ok_or(Implausible)
     }
@@ -105,14 +105,15 @@ impl Modulation {
         }
         .phases(self.wiring);
         let [ia, ib, ic] = currents;
-        // What is no number is 0 here. Four times the reach and what is lost, again up to four times that, are far from the end of the range.
+        // NaN is 0 here. Four times the reach and what is lost, again up to four times that, are far from the end of the range.
         let phase = |voltage: f32, current: f32| {
             let sign = held((current * self.by_ripple) as i32, RIPPLE_BITS);
-            held(voltage as i32, REACH_BITS + 2)
-                + ((self.lost * sign + (1 << (RIPPLE_BITS - 1))) >> RIPPLE_BITS)
+            held(voltage as i32, REACH_BITS + 2) + ((self.lost * sign) >> RIPPLE_BITS)
         };
+        // Both shifts round down, half a part each in the mean: that is given back here.
         let width = |phase: i32| {
-            ((held(phase, REACH_BITS) * self.reach + (1 << (REACH_BITS - 1))) >> REACH_BITS) as i16
+            let part = held(phase, REACH_BITS) * self.reach + (1 << REACH_BITS);
+            (part >> REACH_BITS) as i16
         };
         let (a, b) = (phase(a, ia), phase(b, ib));
         match self.wiring {

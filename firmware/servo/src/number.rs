@@ -1,12 +1,15 @@
 //! Numbers of 32 bits that stay numbers. What is asked in many places is out of line, but for what a period of the current loop asks.
 
-/// The value, cut to a bound on both sides; for NaN 0. A bound below 0 or that is NaN is 0 as well.
+use core::hint::cold_path;
+
+/// The value within a bound on both sides; NaN is 0. A bound below 0 or that is NaN is 0 as well.
 #[inline]
 pub fn limit(value: f32, bound: f32) -> f32 {
     // Most are; only what is not needs more than one comparison.
     if value.abs() <= bound {
         return value;
     }
+    cold_path();
     let bound = if bound > 0.0 { bound } else { 0.0 };
     if value > bound {
         bound
@@ -59,18 +62,22 @@ pub fn is_within(value: f32, min: f32, max: f32) -> bool {
 
 /// The square root; 0 for a subnormal or negative value and for NaN. Within 10⁻⁶ of it.
 ///
-/// Newton's steps for 1/√x, from a first guess by halving the exponent.
+/// Two of Newton's steps for 1/√x, the first one with the factors that suit the first guess, which halves the exponent.
 #[inline(never)]
 pub fn root(value: f32) -> f32 {
-    let bits = value.to_bits();
-    if !(f32::MIN_POSITIVE.to_bits()..f32::INFINITY.to_bits()).contains(&bits) {
+    if !(f32::MIN_POSITIVE.to_bits()..f32::INFINITY.to_bits()).contains(&value.to_bits()) {
         return 0.0;
     }
-    let mut inverse = f32::from_bits(0x5F37_59DF - (bits >> 1));
-    for _ in 0..3 {
-        inverse *= 1.5 - 0.5 * value * inverse * inverse;
-    }
-    value * inverse
+    root_of_number(value)
+}
+
+/// The same of 0 or a finite number above it, where there is no time for a call.
+#[inline(always)]
+pub(crate) fn root_of_number(value: f32) -> f32 {
+    let guess = f32::from_bits(0x5F1F_FFF9_u32.wrapping_sub(value.to_bits() >> 1));
+    let inverse = guess * (1.681_913_9 - 0.703_952_25 * value * guess * guess);
+    let root = value * inverse;
+    root * (1.5 - 0.5 * root * inverse)
 }
 
 /// The factor by which something fades in a period, when it fades at so many rad/s: e^(−rate · period), as a quotient that stays between 0 and 1.

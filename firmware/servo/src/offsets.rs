@@ -14,6 +14,7 @@ pub struct CurrentSense {
     /// How far an offset may be from the middle, in counts.
     spread: u16,
     middle: u16,
+    /// What each phase has in it without a current, in A.
     offsets: [f32; 3],
     sums: [u32; 3],
     taken: u16,
@@ -40,7 +41,7 @@ impl CurrentSense {
             scale,
             spread,
             middle,
-            offsets: [f32::from(middle); 3],
+            offsets: [f32::from(middle) * scale; 3],
             sums: [0; 3],
             taken: 0,
         };
@@ -69,7 +70,7 @@ impl CurrentSense {
             let mean = sum as f32 * (1.0 / SAMPLES as f32);
             let away = (mean - f32::from(self.middle)).abs();
             is_near &= away <= f32::from(self.spread);
-            *offset = mean;
+            *offset = mean * self.scale;
         }
         if is_near {
             Calibration::Done
@@ -83,11 +84,7 @@ impl CurrentSense {
     pub fn amperes(&self, counts: [u16; 3]) -> [f32; 3] {
         let [a, b, c] = counts.map(f32::from);
         let [x, y, z] = self.offsets;
-        [
-            (a - x) * self.scale,
-            (b - y) * self.scale,
-            (c - z) * self.scale,
-        ]
+        [a * self.scale - x, b * self.scale - y, c * self.scale - z]
     }
 }
 

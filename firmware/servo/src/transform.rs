@@ -17,6 +17,39 @@ pub struct Stator {
     pub beta: f32,
 }
 
+/// From the phases to the stator as factors: without a question for the wiring in each period.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Clarke {
+    /// Of phase A, and of both others, into α.
+    alpha: (f32, f32),
+    /// Of phase B, and of C, into β.
+    beta: (f32, f32),
+}
+
+impl Clarke {
+    #[inline]
+    pub(crate) const fn new(wiring: Wiring) -> Self {
+        match wiring {
+            Wiring::TwoPhase => Self {
+                alpha: (1.0, 0.0),
+                beta: (1.0, 0.0),
+            },
+            Wiring::ThreePhase => Self {
+                alpha: (2.0 / 3.0, -1.0 / 3.0),
+                beta: (0.5 / HEIGHT, -0.5 / HEIGHT),
+            },
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn stator(&self, [a, b, c]: [f32; 3]) -> Stator {
+        Stator {
+            alpha: self.alpha.0 * a + self.alpha.1 * (b + c),
+            beta: self.beta.0 * b + self.beta.1 * c,
+        }
+    }
+}
+
 /// A vector in the frame of the rotor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Rotor {
@@ -29,14 +62,8 @@ pub struct Rotor {
 impl Stator {
     /// Of what is in the phases (Clarke). What three have in common is left out.
     #[inline]
-    pub fn of_phases(wiring: Wiring, [a, b, c]: [f32; 3]) -> Self {
-        match wiring {
-            Wiring::TwoPhase => Self { alpha: a, beta: b },
-            Wiring::ThreePhase => Self {
-                alpha: (a + a - b - c) * (1.0 / 3.0),
-                beta: (b - c) * (0.5 / HEIGHT),
-            },
-        }
+    pub fn of_phases(wiring: Wiring, phases: [f32; 3]) -> Self {
+        Clarke::new(wiring).stator(phases)
     }
 
     /// In each phase. Three add up to 0; of two, the third is 0.

@@ -5,11 +5,11 @@ mod rig;
 use std::f64::consts::TAU;
 
 use rig::{PERIOD, Rig, motor, turned};
-use servo::Motor;
 use servo::current_loop::{CurrentConfig, Sample};
 use servo::feedback::Commutation;
 use servo::feedback::commutation::Step;
 use servo::transform::Rotor;
+use servo::{Angle, Motor};
 use servo_plant::Plant;
 use servo_plant::axes::{NEMA17, NEMA23, SERVO_100W, SERVO_400W};
 use servo_plant::data::PlantData;
@@ -26,7 +26,7 @@ fn search(rig: &mut Rig, current: f32) -> (Step, f64, f64) {
                 // The frame is where the field is, whatever the encoder says.
                 let sample = Sample {
                     angle,
-                    speed: 0.0,
+                    turn: Angle::ZERO,
                     ..sample
                 };
                 rig.act(&sample, Rotor { d: current, q: 0.0 });
@@ -102,7 +102,7 @@ fn an_encoder_that_counts_the_other_way_is_not_taken_for_right() {
                 Step::Hold { angle, current } => {
                     let sample = Sample {
                         angle,
-                        speed: 0.0,
+                        turn: Angle::ZERO,
                         ..sample
                     };
                     rig.act(&sample, Rotor { d: current, q: 0.0 });

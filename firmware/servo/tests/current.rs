@@ -250,7 +250,7 @@ proptest! {
                     currents: [a, b, c],
                     bus: if bus.is_nan() { 48.0 } else { bus },
                     angle: servo::Angle::from_bits(angle),
-                    speed,
+                    turn: current.turned_in_period(speed),
                 };
                 if let Ok(widths) = current.run(&sample, Rotor { d: c, q: demand_q }) {
                     for width in widths {

@@ -4,6 +4,8 @@
 //! exactly, however many turns it has gone. The first index is taken for where the turn begins; each that follows must come whole turns later,
 //! within the tolerance for the two edges of an index.
 
+use core::hint::cold_path;
+
 use super::FeedbackFault;
 use crate::{Angle, Motor};
 
@@ -11,12 +13,13 @@ use crate::{Angle, Motor};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Incremental {
     counts: u32,
-    /// Electrical turns of a count, in parts of 2⁴⁸ of a turn.
+    /// Electrical turns of a count and of half of one, in parts of 2⁶⁴ of a turn; whole turns are left out.
     factor: u64,
+    half: u64,
     /// How many counts an index may be off.
     tolerance: u32,
-    /// The timer counts the other way.
-    is_turned: bool,
+    /// −1 if the timer counts the other way, or 1.
+    direction: i16,
     last: u16,
     position: i64,
     /// The count within the turn, from where `offset` is right.
@@ -28,40 +31,41 @@ pub struct Incremental {
 impl Incremental {
     /// For a motor that was checked, with the timer at this count. An index may be so many counts off.
     pub fn new(motor: &Motor, timer: u16, tolerance: u32) -> Self {
-        let counts = motor.counts.max(1);
-        Self {
-            counts,
-            factor: (u64::from(motor.pole_pairs) << 48) / u64::from(counts),
+        let mut encoder = Self {
+            counts: motor.counts.max(1),
+            factor: 0,
+            half: 0,
             tolerance,
-            is_turned: false,
+            direction: 1,
             last: timer,
             position: 0,
             in_turn: 0,
             offset: Angle::ZERO,
             index: None,
-        }
+        };
+        encoder.set_pole_pairs(motor.pole_pairs);
+        encoder
     }
 
     /// The timer counts this now. More than 32,767 counts between two looks cannot be seen.
     pub fn look(&mut self, timer: u16) {
-        let moved = timer.wrapping_sub(self.last).cast_signed();
-        let moved = if self.is_turned {
-            moved.wrapping_neg()
-        } else {
-            moved
-        };
+        let moved = self.moved(self.last, timer);
         self.last = timer;
         self.position = self.position.wrapping_add(moved.into());
-        let mut in_turn = self.in_turn.cast_signed() + i32::from(moved);
-        let turn = self.counts.cast_signed();
-        // A look is less than a turn of most encoders; of a coarse one it may be several.
-        while in_turn < 0 {
-            in_turn += turn;
-        }
-        while in_turn >= turn {
-            in_turn -= turn;
-        }
+        let in_turn = self.in_turn.cast_signed() + moved;
         self.in_turn = in_turn.cast_unsigned();
+        if self.in_turn >= self.counts {
+            cold_path();
+            // A look is less than a turn of most encoders; of a coarse one it may be several.
+            let in_turn = in_turn.checked_rem_euclid(self.counts.cast_signed());
+            self.in_turn = in_turn.map_or(0, i32::cast_unsigned);
+        }
+    }
+
+    /// Counts from one value of the timer to another.
+    #[inline(always)]
+    fn moved(&self, from: u16, to: u16) -> i32 {
+        i32::from(to.wrapping_sub(from).cast_signed()) * i32::from(self.direction)
     }
 
     /// The index was passed with the timer at this count, at most half of its range ago.
@@ -69,12 +73,7 @@ impl Incremental {
     /// # Errors
     /// It is not whole turns away from the one before.
     pub fn index(&mut self, timer: u16) -> Result<(), FeedbackFault> {
-        let since = self.last.wrapping_sub(timer).cast_signed();
-        let since = if self.is_turned {
-            since.wrapping_neg()
-        } else {
-            since
-        };
+        let since = self.moved(timer, self.last);
         let at = self.position.wrapping_sub(since.into());
         let first = *self.index.get_or_insert(at);
         let turn = i64::from(self.counts);
@@ -102,18 +101,23 @@ impl Incremental {
     pub fn angle(&self) -> Angle {
         let middle = u64::from(self.in_turn)
             .wrapping_mul(self.factor)
-            .wrapping_add(self.factor / 2);
-        Angle::from_bits((middle >> 16) as u32).plus(self.offset)
+            .wrapping_add(self.half);
+        Angle::from_bits((middle >> 32) as u32).plus(self.offset)
     }
 
     /// Other pole pairs, from where the count within the turn is 0.
     pub fn set_pole_pairs(&mut self, pole_pairs: u16) {
-        self.factor = (u64::from(pole_pairs) << 48) / u64::from(self.counts.max(1));
+        let counts = u64::from(self.counts.max(1));
+        // Of a half: the whole is that twice, and no more than a last bit off.
+        let turns = u64::from(pole_pairs) << 31;
+        let (whole, rest) = (turns / counts, turns % counts);
+        self.half = (whole << 32).wrapping_add((rest << 32) / counts);
+        self.factor = self.half.wrapping_mul(2);
     }
 
     /// Whether the timer counts the other way, from now on.
     pub fn turn(&mut self, is_turned: bool) {
-        self.is_turned = is_turned;
+        self.direction = if is_turned { -1 } else { 1 };
     }
 
     /// The electrical angle where the count within the turn is 0.

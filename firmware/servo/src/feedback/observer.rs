@@ -80,6 +80,12 @@ impl Observer {
         self.angle
     }
 
+    /// By how much it turns in a period.
+    #[inline]
+    pub fn turn(&self) -> Angle {
+        Angle::from_bits((self.speed as i32).cast_unsigned())
+    }
+
     /// The electrical speed, in rad/s.
     #[inline]
     pub fn speed(&self) -> f32 {

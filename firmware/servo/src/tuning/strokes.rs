@@ -186,7 +186,7 @@ impl Strokes {
             currents: seen.currents,
             bus: seen.bus,
             angle: self.observer.angle(),
-            speed,
+            turn: self.observer.turn(),
         };
         let widths = self.current.run(&sample, Rotor { d: 0.0, q: push })?;
         let current = self.current.current();

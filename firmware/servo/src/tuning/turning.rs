@@ -118,7 +118,7 @@ impl Turning {
             currents: seen.currents,
             bus: seen.bus,
             angle: Angle::from_turns(turned),
-            speed,
+            turn: self.current.turned_in_period(speed),
         };
         let widths = self.current.run(&sample, along(setup.current))?;
         Ok(Next::Widths(widths))

@@ -83,17 +83,18 @@ impl Rig {
         let readings = self.plant.measure();
         self.encoder.look(readings.count as u16);
         self.observer.look(self.encoder.angle());
-        let (angle, speed) = if self.is_told {
+        let (angle, turn) = if self.is_told {
             let speed = self.plant.velocity() * f64::from(self.motor.pole_pairs);
-            (turned(self.plant.electrical_angle()), speed as f32)
+            let turn = self.current.turned_in_period(speed as f32);
+            (turned(self.plant.electrical_angle()), turn)
         } else {
-            (self.observer.angle(), self.observer.speed())
+            (self.observer.angle(), self.observer.turn())
         };
         Sample {
             currents: readings.currents.map(|current| current as f32),
             bus: readings.bus_voltage as f32,
             angle,
-            speed,
+            turn,
         }
     }
 

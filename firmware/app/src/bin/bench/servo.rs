@@ -54,7 +54,9 @@ fn interrupt(motor: &Motor, weakening: f32) -> CurrentInterrupt {
 #[inline(never)]
 fn period(interrupt: &mut CurrentInterrupt, counts: &Counts) -> Option<[u16; 3]> {
     let widths = interrupt.run(counts).ok()?;
-    Some(widths.map(|width| COUNTER.half_bridge(width)))
+    let [a, b, c] = widths;
+    let value = |width| COUNTER.half_bridge(width);
+    Some([value(a), value(b), value(c)])
 }
 
 /// The worst of a thousand periods of a motor that turns, while its current is noisy.

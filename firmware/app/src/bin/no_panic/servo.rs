@@ -125,10 +125,10 @@ pub fn servo() -> Result<(), Implausible> {
                     },
                     bus: number(),
                     angle: observer.angle(),
-                    speed: if any() == 0 {
-                        number()
+                    turn: if any() == 0 {
+                        current.turned_in_period(number())
                     } else {
-                        observer.speed()
+                        observer.turn()
                     },
                 };
                 match current.run(&sample, rotor()) {
