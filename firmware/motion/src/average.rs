@@ -17,7 +17,8 @@ mod window;
 
 use crate::clock::Ticks;
 use crate::divide::div_rem;
-use crate::fixed::{Exact, Position, Q96, State, Velocity, product};
+use crate::exact::{PositionQ96, Q96, product};
+use crate::fixed::{Exact, Position, State, Velocity};
 use crate::low;
 use crate::plan::Plan;
 use crate::plan::phase::Phase;
@@ -28,6 +29,9 @@ pub(crate) use window::Window;
 
 /// The greatest factor of [`part`] and [`rate`].
 const MOST: u64 = u64::MAX >> 1;
+
+/// Half of what a sample can tell.
+const HALF_OF_SAMPLE: PositionQ96 = PositionQ96::from_bits(1 << 63);
 
 /// The most samples taken of a parabola before the plan is evaluated again.
 const MOST_SAMPLED: u32 = 1 << 16;
@@ -56,10 +60,9 @@ pub(crate) struct Average {
     left: i32,
     /// The last sample of the plan, and how the next ones follow.
     sampler: Sampler,
-    /// For how many intervals of the grid the plan has kept `line_velocity` (Q96 steps per tick), or stood, when the sampler's parabola
-    /// ends.
+    /// For how many intervals of the grid the plan has kept `line_velocity`, or stood, when the sampler's parabola ends.
     straight: u32,
-    line_velocity: i128,
+    line_velocity: Q96,
     stands: bool,
     /// The state `to` of the mean at tick `until`, up to which the plan has been sampled, and by how much position and velocity have
     /// changed since the sample before.
@@ -77,31 +80,31 @@ pub(crate) struct Average {
     ring: [i64; SAMPLES],
 }
 
-/// Samples of a plan at the points of the grid, by forward differences, as long as it is one parabola. Q96 steps.
+/// Samples of a plan at the points of the grid, by forward differences, as long as it is one parabola.
 #[derive(Debug, Clone)]
 struct Sampler {
     /// Samples that are left.
     left: u32,
-    /// The position, with half a unit of a sample added to round it.
-    position: i128,
+    /// The position, with [`HALF_OF_SAMPLE`] added to round it.
+    position: PositionQ96,
     /// What the position grows by in the next interval, and what that grows by.
-    distance: i128,
-    growth: i128,
+    distance: PositionQ96,
+    growth: PositionQ96,
 }
 
 impl Sampler {
     /// Nothing is known of the plan.
     const NONE: Self = Self {
         left: 0,
-        position: 0,
-        distance: 0,
-        growth: 0,
+        position: PositionQ96::ZERO,
+        distance: PositionQ96::ZERO,
+        growth: PositionQ96::ZERO,
     };
 
     /// The sample: Q32 steps, to the nearest.
     #[inline]
     const fn sample(&self) -> i64 {
-        (self.position >> 64) as i64
+        self.position.floor()
     }
 }
 
@@ -123,7 +126,7 @@ impl Average {
             left: 0,
             sampler: Sampler::NONE,
             straight: 0,
-            line_velocity: 0,
+            line_velocity: Q96::ZERO,
             stands: false,
             until: 0,
             to: State {
@@ -140,9 +143,9 @@ impl Average {
 
     /// Where the plan is ahead, if the mean is at `mean` and has kept its velocity for a window.
     pub(crate) fn ahead(window: Window, mean: Exact) -> Exact {
-        let distance = mean.velocity.wrapping_mul(window.ticks().into());
+        let distance = mean.velocity.distance(window.ticks());
         Exact {
-            position: mean.position.wrapping_add(distance >> 1),
+            position: mean.position + distance.halved(),
             ..mean
         }
     }
@@ -168,8 +171,7 @@ impl Average {
     fn anchor(&mut self, at: Ticks, state: Exact) {
         let count = i64::from(self.window.count);
         let newest = sample(state.position);
-        let stride = product(state.velocity, self.window.grid);
-        self.stride = (stride.wrapping_add(1 << 63) >> 64) as i64;
+        self.stride = sample(state.velocity.distance(self.window.grid));
         self.window_distance = self.stride.wrapping_mul(count);
         self.before = self.window.count.into();
         self.old = newest
@@ -259,7 +261,7 @@ impl Average {
         let (start, mut polynomial) = self.polynomial();
         if t > start {
             let there = self.exact_at(t);
-            (polynomial.position, polynomial.velocity) = (Q96(there.position), Q96(there.velocity));
+            (polynomial.position, polynomial.velocity) = (there.position, there.velocity);
         }
         polynomial
     }
@@ -280,7 +282,7 @@ impl Average {
         let (high, low) = ((self.per_grid >> 32) as u32, low::u32(self.per_grid));
         let half = product(gain, high) + (product(gain, low) >> 32);
         let polynomial = Polynomial {
-            half: Q96(half),
+            half: Q96::from_bits(half),
             ..Polynomial::line(self.until, from.into())
         };
         (self.until.saturating_sub(self.since.into()), polynomial)
@@ -289,7 +291,7 @@ impl Average {
     /// The same as a phase of a plan.
     pub(crate) fn phase(&self) -> Phase {
         let (start, polynomial) = self.polynomial();
-        Phase::parabola(start, polynomial.exact(), polynomial.half.0)
+        Phase::parabola(start, polynomial.exact(), polynomial.half)
     }
 
     /// The mean at tick `t`, from where its curve begins up to `until`.
@@ -306,8 +308,8 @@ impl Average {
     fn step(&mut self) {
         let sampler = &mut self.sampler;
         sampler.left -= 1;
-        sampler.position = sampler.position.wrapping_add(sampler.distance);
-        sampler.distance = sampler.distance.wrapping_add(sampler.growth);
+        sampler.position = sampler.position + sampler.distance;
+        sampler.distance = sampler.distance + sampler.growth;
         self.take();
     }
 
@@ -343,12 +345,12 @@ impl Average {
         if !is_long || !line.is_line() || from.velocity != self.line_velocity {
             return false;
         }
-        let late = product(self.line_velocity, self.window.ticks()) >> 1;
+        let late = self.line_velocity.distance(self.window.ticks()).halved();
         self.straight = self.straight();
         self.sampler = Sampler::NONE;
         self.until = corner;
         let line = Exact {
-            position: from.position.wrapping_sub(late),
+            position: from.position - late,
             ..from
         };
         self.line = Some((at, line));
@@ -409,19 +411,20 @@ impl Average {
         let stands = end <= next
             || end - next < self.window.grid.into() && sample(ahead.position) == sample(rest);
         let (keeps, line_velocity, half) = if stands {
-            (self.stands || end <= at, 0, 0)
+            (self.stands || end <= at, Q96::ZERO, Q96::ZERO)
         } else {
-            let half = phase.as_ref().map_or(0, Phase::half_acceleration);
+            let half = phase.as_ref().map_or(Q96::ZERO, Phase::half_acceleration);
             let is_one = phase.as_ref().is_some_and(|phase| phase.start() <= at);
-            let keeps = is_one && half == 0 && ahead.velocity == self.line_velocity;
+            let keeps = is_one && half.is_zero() && ahead.velocity == self.line_velocity;
             (keeps, ahead.velocity, half)
         };
         self.straight = if keeps { straight.saturating_add(1) } else { 0 };
         self.stands = stands;
         self.line_velocity = line_velocity;
         let grid = self.window.grid;
-        let gain = product(half, grid);
-        let growth = product(gain, grid).wrapping_mul(2);
+        let gain = half.gain(grid);
+        let growth = gain.distance(grid);
+        let growth = growth + growth;
         let corner = if stands {
             Ticks::MAX
         } else {
@@ -430,7 +433,7 @@ impl Average {
         let before = corner.saturating_sub(next).saturating_sub(1);
         let (intervals, _) = div_rem(before, grid);
         let mut left = low::u32(intervals.min(MOST_SAMPLED.into()));
-        if growth == 0 {
+        if growth.is_zero() {
             // The sampler stops where the plan will have kept its velocity for the whole window: from there its line is followed.
             let count = u32::from(self.window.count) - 1;
             left = left.min(count.saturating_sub(self.straight));
@@ -439,15 +442,15 @@ impl Average {
         let position = if stands { rest } else { ahead.position };
         self.sampler = Sampler {
             left,
-            position: position.wrapping_add(1 << 63),
-            distance: product(line_velocity.wrapping_add(gain), grid),
+            position: position + HALF_OF_SAMPLE,
+            distance: (line_velocity + gain).distance(grid),
             growth,
         };
     }
 }
 
 /// A position, Q32 steps, to the nearest.
-const fn sample(position: i128) -> i64 {
+const fn sample(position: PositionQ96) -> i64 {
     Position::nearest(position).bits()
 }
 

@@ -3,23 +3,18 @@
 //! All times are counts of one hardware timer. A 64-bit count at 168 MHz wraps after 3480 years, so nothing here reasons
 //! about wrap-around.
 
+use crate::exact::{Q128, Uq96};
 use crate::low;
 use crate::speed::Speed;
 
 /// Ticks of the step timer, counted from when the axis was made.
 pub type Ticks = u64;
 
-/// An amount with 96 bits behind the point: of a velocity in steps per tick, or of an acceleration in steps per tick².
-pub(crate) type Uq96 = u128;
-
-/// An amount with 128 bits behind the point: of a sixth of a jerk, in steps per tick³.
-pub(crate) type Uq128 = u128;
-
 /// Half a step per tick: a pulse takes at least one tick high and one tick low.
-pub(crate) const TOP_SPEED: Uq96 = 1 << 95;
+pub(crate) const TOP_SPEED: Uq96 = Uq96::from_bits(1 << 95);
 
-/// The highest sixth of a jerk, Q128 steps per tick³: all of it has the 96 bits that a divisor may have.
-pub(crate) const TOP_SIXTH_JERK: Uq128 = ((1 << 96) - 1) / 6;
+/// The highest sixth of a jerk: all of it has the 96 bits that a divisor may have.
+pub(crate) const TOP_SIXTH_JERK: Q128 = Q128::from_bits(((1 << 96) - 1) / 6);
 
 /// The rate of the step timer, with the reciprocals that turn limits per second into limits per tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -69,7 +64,7 @@ impl Clock {
         self.hz
     }
 
-    /// A limit as Q96 steps/tick. Rounded down, so that the limit holds, and cut to half a step per tick.
+    /// A limit in steps/tick. Rounded down, so that the limit holds, and cut to half a step per tick.
     #[inline(never)]
     pub(crate) fn speed(self, speed: Speed) -> Uq96 {
         let (whole, part) = ((speed.bits() >> 32) as u32, low::u32(speed.bits()));
@@ -78,23 +73,23 @@ impl Clock {
         if part != 0 {
             speed += (self.second * u128::from(part)) >> 32;
         }
-        speed.min(TOP_SPEED)
+        Uq96::from_bits(speed).min(TOP_SPEED)
     }
 
-    /// Half of a limit in steps/s², as Q96 steps/tick². Rounded down, so that the limit holds.
+    /// Half of a limit in steps/s², in steps/tick². Rounded down, so that the limit holds.
     ///
     /// Half, because that is the coefficient of a parabola: x = x₀ + v·n + ½a·n².
     #[inline(never)]
     pub(crate) fn half_acceleration(self, steps_per_second_squared: u32) -> Uq96 {
-        (self.second_squared * u128::from(steps_per_second_squared)) >> 29
+        Uq96::from_bits((self.second_squared * u128::from(steps_per_second_squared)) >> 29)
     }
 
-    /// A sixth of a limit in steps/s³, as Q128 steps/tick³. Rounded down, so that the limit holds, but never to nothing; cut to
+    /// A sixth of a limit in steps/s³, in steps/tick³. Rounded down, so that the limit holds, but never to nothing; cut to
     /// [`TOP_SIXTH_JERK`] (at 1 MHz 2.3·10⁸ steps/s³, at 84 MHz more than 32 bits hold).
     ///
     /// A sixth, because that is the coefficient of a cubic.
-    pub(crate) fn sixth_jerk(self, steps_per_second_cubed: u32) -> Uq128 {
-        ((self.sixth_second_cubed * u128::from(steps_per_second_cubed)) >> 28)
-            .clamp(1, TOP_SIXTH_JERK)
+    pub(crate) fn sixth_jerk(self, steps_per_second_cubed: u32) -> Q128 {
+        let sixth = (self.sixth_second_cubed * u128::from(steps_per_second_cubed)) >> 28;
+        Q128::from_bits(sixth.cast_signed()).clamp(Q128::LEAST, TOP_SIXTH_JERK)
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::clock::{Clock, TOP_SPEED};
 use crate::divide::quotient;
+use crate::exact::{PositionQ96, Q96, Uq96, with_sign};
 use crate::low;
 use crate::speed::SignedSpeed;
 
@@ -32,19 +33,24 @@ impl Position {
         self.0.wrapping_add(1 << 31) >> 32
     }
 
-    /// The position nearest to one in Q96 steps.
-    pub(crate) const fn nearest(exact: i128) -> Self {
-        Self((exact.wrapping_add(1 << 63) >> 64) as i64)
+    /// The position nearest to an exact one.
+    pub(crate) const fn nearest(exact: PositionQ96) -> Self {
+        Self((exact.bits().wrapping_add(1 << 63) >> 64) as i64)
     }
 
-    /// Rounds Q96 steps towards zero, which treats both directions alike.
-    pub(crate) const fn from_exact(exact: i128) -> Self {
-        let magnitude = (exact.unsigned_abs() >> 64) as i64;
-        Self(if exact < 0 {
+    /// Rounds towards zero, which treats both directions alike.
+    pub(crate) const fn from_exact(exact: PositionQ96) -> Self {
+        let magnitude = (exact.bits().unsigned_abs() >> 64) as i64;
+        Self(if exact.bits() < 0 {
             magnitude.wrapping_neg()
         } else {
             magnitude
         })
+    }
+
+    /// In the resolution of plans.
+    pub(crate) const fn exact(self) -> PositionQ96 {
+        PositionQ96::from_bits((self.0 as i128) << 64)
     }
 }
 
@@ -59,7 +65,7 @@ impl Velocity {
     /// The velocity nearest to one in steps/s, cut to half a step per tick.
     pub fn from_speed(clock: Clock, speed: SignedSpeed) -> Self {
         let exact = clock.speed(speed.unsigned_abs());
-        let magnitude = low::u64(exact.saturating_add(1 << 39) >> 40).cast_signed();
+        let magnitude = low::u64((exact.bits() + (1 << 39)) >> 40).cast_signed();
         Self(if speed.bits() < 0 {
             magnitude.wrapping_neg()
         } else {
@@ -96,7 +102,7 @@ impl Velocity {
     /// The velocity at which `distance` takes so many ticks; zero for no ticks.
     pub fn over(distance: Position, ticks: u32) -> Self {
         let magnitude = quotient(distance.bits().unsigned_abs().into(), 2, ticks.into());
-        let velocity = Self::from_exact(magnitude.cast_signed());
+        let velocity = Self::from_exact(Q96::from_bits(magnitude.cast_signed()));
         if distance.bits() < 0 {
             Self(velocity.0.wrapping_neg())
         } else {
@@ -116,102 +122,19 @@ impl Velocity {
 
     /// In the resolution of plans.
     #[allow(clippy::cast_lossless, reason = "From is not const; the cast widens")]
-    pub(crate) const fn exact(self) -> i128 {
-        (self.0 as i128) << 40
+    pub(crate) const fn exact(self) -> Q96 {
+        Q96::from_bits((self.0 as i128) << 40)
     }
 
-    /// Rounds Q96 steps/tick towards zero.
-    pub(crate) const fn from_exact(exact: i128) -> Self {
-        let magnitude = low::u64(exact.unsigned_abs() >> 40).cast_signed();
-        Self(if exact < 0 {
+    /// Rounds towards zero.
+    pub(crate) const fn from_exact(exact: Q96) -> Self {
+        let magnitude = low::u64(exact.bits().unsigned_abs() >> 40).cast_signed();
+        Self(if exact.bits() < 0 {
             magnitude.wrapping_neg()
         } else {
             magnitude
         })
     }
-}
-
-/// A number with 96 bits behind the point, modulo 2³², as positions are. Velocities and accelerations are far below 2³².
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Q96(pub(crate) i128);
-
-impl Q96 {
-    pub(crate) const ZERO: Self = Self(0);
-
-    #[inline]
-    pub(crate) const fn plus(self, other: Self) -> Self {
-        Self(self.0.wrapping_add(other.0))
-    }
-
-    #[inline]
-    pub(crate) const fn minus(self, other: Self) -> Self {
-        Self(self.0.wrapping_sub(other.0))
-    }
-
-    #[inline]
-    pub(crate) fn times(self, factor: u32) -> Self {
-        Self(product(self.0, factor))
-    }
-
-    /// self · factor / 2⁶⁴.
-    pub(crate) const fn part(self, factor: u64) -> Self {
-        Self(part(self.0, factor))
-    }
-
-    /// Q32, rounded down.
-    #[inline]
-    pub(crate) const fn floor(self) -> i64 {
-        (self.0 >> 64) as i64
-    }
-}
-
-/// A number with 128 bits behind the point, less than a half: a sixth of a jerk.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Q128(pub(crate) i128);
-
-impl Q128 {
-    pub(crate) const ZERO: Self = Self(0);
-
-    #[inline]
-    pub(crate) fn times(self, factor: u32) -> Q96 {
-        Q96(product(self.0, factor) >> 32)
-    }
-
-    /// self · factor / 2⁶⁴.
-    pub(crate) const fn part(self, factor: u64) -> Self {
-        Self(part(self.0, factor))
-    }
-}
-
-impl From<Q96> for Q128 {
-    fn from(value: Q96) -> Self {
-        Self(value.0 << 32)
-    }
-}
-
-/// A product modulo 2¹²⁸, of four short ones.
-#[inline]
-pub(crate) fn product(value: i128, factor: u32) -> i128 {
-    let value = value.cast_unsigned();
-    let mut carry = 0;
-    let mut digit = |shift: u32| {
-        let digit = u64::from(low::u32(low::u64(value >> shift)));
-        let sum = digit.wrapping_mul(factor.into()).wrapping_add(carry);
-        carry = sum >> 32;
-        u64::from(low::u32(sum))
-    };
-    let low = digit(0) | digit(32) << 32;
-    let high = digit(64) | digit(96) << 32;
-    (u128::from(high) << 64 | u128::from(low)).cast_signed()
-}
-
-/// ⌊value · factor / 2⁶⁴⌋.
-#[allow(clippy::cast_lossless, reason = "From is not const; the casts widen")]
-const fn part(value: i128, factor: u64) -> i128 {
-    let low = (low::u64(value.cast_unsigned()) as u128).wrapping_mul(factor as u128) >> 64;
-    (value >> 64)
-        .wrapping_mul(factor as i128)
-        .wrapping_add(low.cast_signed())
 }
 
 /// Where an axis is and how fast it moves.
@@ -223,22 +146,21 @@ pub struct State {
     pub velocity: Velocity,
 }
 
-/// A [`State`] as plans keep it among themselves: both in Q96. Planning again from it loses nothing, so an
+/// A [`State`] as plans keep it among themselves. Planning again from it loses nothing, so an
 /// axis may be planned again in every control tick and still arrive when it would have arrived.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Exact {
-    /// Steps × 2⁹⁶, modulo 2³² steps.
-    pub(crate) position: i128,
-    /// Steps/tick × 2⁹⁶, at most half a step per tick either way.
-    pub(crate) velocity: i128,
+    pub(crate) position: PositionQ96,
+    /// At most half a step per tick either way.
+    pub(crate) velocity: Q96,
 }
 
 impl Exact {
-    /// Standing at a whole step.
-    pub(crate) const fn at_rest(steps: i64) -> Self {
+    /// Standing.
+    pub(crate) const fn at_rest(position: PositionQ96) -> Self {
         Self {
-            position: (steps as i128).wrapping_shl(96),
-            velocity: 0,
+            position,
+            velocity: Q96::ZERO,
         }
     }
 
@@ -246,21 +168,15 @@ impl Exact {
     /// as it does: next to the middle between two steps [`Exact::rounded`] may be at another one.
     #[inline]
     pub(crate) const fn floor(self) -> Position {
-        Position::from_bits(Q96(self.position).floor())
+        Position::from_bits(self.position.floor())
     }
 
     /// How many ticks ago this state crossed the middle before the whole step `steps` (modulo 2³²), at its present velocity. 0 at rest.
     pub(crate) fn since_middle(self, steps: i32) -> u128 {
-        let distance = self
-            .position
-            .wrapping_sub(Self::at_rest(steps.into()).position);
-        let distance = if self.velocity < 0 {
-            distance.wrapping_neg()
-        } else {
-            distance
-        };
-        let beyond = distance.wrapping_add(1 << 95).max(0).cast_unsigned();
-        quotient(beyond, 0, self.velocity.unsigned_abs())
+        let distance = self.position - PositionQ96::from_steps(steps.into());
+        let distance = with_sign(distance, self.velocity < Q96::ZERO);
+        let beyond = distance.bits().wrapping_add(1 << 95).max(0).cast_unsigned();
+        quotient(beyond, 0, self.velocity.amount().bits())
     }
 
     /// The same in the public resolution.
@@ -275,15 +191,10 @@ impl Exact {
 
 impl From<State> for Exact {
     fn from(state: State) -> Self {
-        let speed =
-            ((u128::from(state.velocity.0.unsigned_abs()) << 40).min(TOP_SPEED)).cast_signed();
+        let speed = Uq96::from_bits(u128::from(state.velocity.0.unsigned_abs()) << 40);
         Self {
-            position: i128::from(state.position.0) << 64,
-            velocity: if state.velocity.0 < 0 {
-                speed.wrapping_neg()
-            } else {
-                speed
-            },
+            position: state.position.exact(),
+            velocity: with_sign(speed.min(TOP_SPEED).forwards(), state.velocity.0 < 0),
         }
     }
 }

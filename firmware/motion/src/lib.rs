@@ -40,6 +40,7 @@
 //!
 //! - No floats in positions or times: positions are Q32 steps, velocities Q56 steps per tick, times ticks; plans keep all of them in Q96, and a sixth of a
 //!   jerk in Q128. What is asked for and shown are steps/s, Q32: from one step in an hour to the timer's ceiling nothing changes but the number.
+//! - Each format is a type (`fixed`, `exact`, `speed`), so none is taken for another. Of these numbers positions alone wrap, modulo 2³² steps.
 //! - Limits are never exceeded; zero limits are refused with a [`PlanError`].
 //! - No input makes it panic, block or loop without bound.
 //! - It knows no bus, no register and no clock but the count of ticks it is given.
@@ -69,6 +70,7 @@ pub mod axis;
 pub mod clock;
 mod divide;
 pub mod driver;
+mod exact;
 pub mod fixed;
 pub mod homing;
 mod iterations;

@@ -7,6 +7,7 @@
 
 use crate::clock::Ticks;
 use crate::divide::fraction;
+use crate::exact::{Q96, with_sign};
 use crate::fixed::{Exact, Position, State, Velocity};
 use crate::iterations::Iterations;
 use crate::low;
@@ -60,16 +61,16 @@ struct PathSegment {
 }
 
 impl PathSegment {
-    /// In a straight line, with a velocity Q96 and the same rounded.
+    /// In a straight line, with a velocity and the same rounded.
     #[inline]
     const fn line(
         start: Ticks,
         length: u32,
         (from, to): (Position, Position),
-        (velocity, rounded): (i128, Velocity),
+        (velocity, rounded): (Q96, Velocity),
     ) -> Self {
         let from = Exact {
-            position: exact(from),
+            position: from.exact(),
             velocity,
         };
         Self {
@@ -95,7 +96,7 @@ impl PathSegment {
         let distance = to.bits().wrapping_sub(from.bits());
         let alike = before.filter(|before| before.is_mean && before.goes(distance, length));
         let velocity = match alike {
-            Some(before) => (before.polynomial.velocity.0, before.to.velocity),
+            Some(before) => (before.polynomial.velocity, before.to.velocity),
             None => {
                 let velocity = rate(distance, length);
                 (velocity, Velocity::from_exact(velocity))
@@ -127,7 +128,7 @@ impl PathSegment {
     fn cubic(start: Ticks, length: u32, from: State, to: State) -> Self {
         let end = start.saturating_add(length.into());
         let state = |state: State| Exact {
-            position: exact(state.position),
+            position: state.position.exact(),
             velocity: state.velocity.exact(),
         };
         Self {
@@ -139,10 +140,10 @@ impl PathSegment {
         }
     }
 
-    /// The velocity at its end, Q96.
-    const fn velocity(&self) -> i128 {
+    /// The velocity at its end.
+    const fn velocity(&self) -> Q96 {
         if self.polynomial.is_line() {
-            self.polynomial.velocity.0
+            self.polynomial.velocity
         } else {
             self.to.velocity.exact()
         }
@@ -157,15 +158,10 @@ impl PathSegment {
     }
 }
 
-/// A position in the resolution of plans.
-const fn exact(position: Position) -> i128 {
-    (position.bits() as i128) << 64
-}
-
-/// Q32 steps in so many ticks, as Q96 steps/tick.
-fn rate(distance: i64, length: u32) -> i128 {
+/// The velocity at which a distance, Q32 steps, takes so many ticks.
+fn rate(distance: i64, length: u32) -> Q96 {
     let rate = fraction(distance.unsigned_abs(), length).cast_signed();
-    if distance < 0 { -rate } else { rate }
+    with_sign(Q96::from_bits(rate), distance < 0)
 }
 
 /// The set-points that are known.
@@ -202,7 +198,7 @@ impl Path {
 
     /// This is the last segment from now on.
     fn end_with(&mut self, last: &PathSegment) {
-        let coasting = if last.velocity() == 0 {
+        let coasting = if last.velocity().is_zero() {
             0
         } else {
             self.coasting
@@ -308,7 +304,7 @@ impl Path {
         }
         let last = self.last().filter(|_| t < self.rest)?;
         let from = Exact {
-            position: exact(last.to.position),
+            position: last.to.position.exact(),
             velocity: last.velocity(),
         };
         let mut polynomial = Polynomial::line(self.rest, from);
@@ -325,15 +321,12 @@ impl Path {
             .rest
             .checked_sub(1)
             .and_then(|last| self.polynomial_at(last));
-        let mut there = Exact {
-            position: exact(self.end.1.position),
-            velocity: 0,
-        };
+        let mut there = Exact::at_rest(self.end.1.position.exact());
         if self.ends_in_motion()
             && let Some(mut last) = last
         {
             last.advance_by(1);
-            there.position = last.position.0;
+            there.position = last.position;
         }
         there
     }

@@ -1,7 +1,8 @@
 //! The mean against one that is worked out from the plans themselves.
 
-use super::{Average, SAMPLES, Window, sample};
-use crate::fixed::Exact;
+use super::{Average, SAMPLES, Window};
+use crate::exact::{PositionQ96, Q96};
+use crate::fixed::{Exact, Position};
 use crate::plan::InitialState;
 use crate::plan::phase::Phase;
 use crate::{Clock, Goal, Limits, Plan, Ramps, State, Ticks};
@@ -17,13 +18,13 @@ fn clock() -> Clock {
 }
 
 /// In steps, from a position in the middle of the span.
-fn steps(position: i128) -> f64 {
-    (position >> 48) as f64 / 2f64.powi(48)
+fn steps(position: PositionQ96) -> f64 {
+    (position.bits() >> 48) as f64 / 2f64.powi(48)
 }
 
-/// Steps/s from steps per tick.
-fn per_second(velocity: i128) -> f64 {
-    velocity as f64 / 2f64.powi(96) * f64::from(HZ)
+/// Steps/s from steps per tick, and so with accelerations.
+fn per_second(velocity: Q96) -> f64 {
+    velocity.bits() as f64 / 2f64.powi(96) * f64::from(HZ)
 }
 
 /// A mean, its curve so far, and the plans that it was made of.
@@ -88,7 +89,7 @@ impl Followed {
         if t < self.begin {
             let first = self.plans[0].1.exact_at(self.begin);
             let back = (self.begin - t) as f64;
-            return steps(first.position) - back * first.velocity as f64 / 2f64.powi(96);
+            return steps(first.position) - back * first.velocity.bits() as f64 / 2f64.powi(96);
         }
         let plan = self.plans.iter().rev().find(|plan| plan.0 <= t).unwrap();
         steps(plan.1.exact_at(t).position)
@@ -168,7 +169,8 @@ proptest! {
         let end = plan.end().unwrap();
         prop_assert!(followed.average.is_over());
         let there = followed.average.exact_at(followed.average.until());
-        prop_assert_eq!(there, Exact { position: i128::from(sample(plan.exact_at(end).position)) << 64, velocity: 0 });
+        let rest = Position::nearest(plan.exact_at(end).position);
+        prop_assert_eq!(there, Exact::at_rest(rest.exact()));
         let late = followed.average.until() - end.max(junction);
         let grid = u64::from(window.grid);
         prop_assert!(end <= junction || late + grid > window.ticks().into());

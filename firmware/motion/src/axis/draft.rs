@@ -179,7 +179,7 @@ impl Draft {
         let mean = self.start.from;
         let (a, d) = self.expected(limits, jerk);
         let long = self.window_for(a + d, jerk);
-        let from = if mean.velocity != 0 {
+        let from = if !mean.velocity.is_zero() {
             Average::ahead(long, mean)
         } else {
             mean
@@ -188,7 +188,7 @@ impl Draft {
         let start = InitialState::steady(self.horizon, from);
         plan.make(self.clock, &start, goal, limits, self.ramps)?;
         self.mean_jerk = jerk;
-        if mean.velocity != 0 {
+        if !mean.velocity.is_zero() {
             return Ok(Next::Mean(long, mean));
         }
         if plan.end().is_some_and(|end| end <= self.horizon) {
@@ -207,7 +207,7 @@ impl Draft {
     /// A target is as far from the pulses committed as its number says. What is planned begins ahead of these, by half a step or by half a
     /// window's distance and more, and may have wrapped before them, or they before it: the number for the same distance from there.
     fn seen_from(&self, goal: Goal, from: Exact) -> Goal {
-        let here = (from.position >> 96) as i32;
+        let here = from.position.steps();
         let ahead = here.wrapping_sub(self.steps);
         let unwrapped = i64::from(self.steps).wrapping_add(ahead.into());
         let shift = i64::from(here).wrapping_sub(unwrapped);

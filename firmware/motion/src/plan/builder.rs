@@ -3,10 +3,11 @@
 use super::Plan;
 use super::goal::{PlanError, SIN_SQUARED};
 use super::move_to::distance_to;
-use super::piece::{Frame, Instant, Piece, Shape, TicksQ32, ramp_distance};
+use super::piece::{Frame, Instant, Piece, Shape, ramp_distance};
 use super::sine::SHORTEST;
 use super::smooth::Smooth;
-use crate::clock::{Ticks, Uq96};
+use crate::clock::Ticks;
+use crate::exact::{DistanceQ96, PositionQ96, Q96, Q128, TicksQ32, Uq96};
 use crate::fixed::Exact;
 
 /// Where a motion is planned from.
@@ -17,8 +18,8 @@ pub(super) struct Origin {
     /// The lead: the end of a ramp under way, or the piece that brings its acceleration to zero. Its positions have the direction of the
     /// axis, and count from where it ends.
     pub(super) lead: Smooth<Option<Piece>>,
-    /// The position at the start, Q96 steps: of use for a goal that is passed.
-    pub(super) begin: i128,
+    /// The position at the start: of use for a goal that is passed.
+    pub(super) begin: PositionQ96,
     /// When the lead ends, and where; without one, at the start.
     pub(super) end: Instant,
     pub(super) from: Exact,
@@ -41,12 +42,8 @@ impl Origin {
 
     /// Whether the lead passes this target.
     pub(super) fn passes(&self, target_steps: i64) -> bool {
-        let begin = Exact {
-            position: self.begin,
-            velocity: 0,
-        };
         let is_back = |from| distance_to(target_steps, from).map(|(_, is_back)| is_back);
-        self.lead.get().is_some() && is_back(begin) != is_back(self.from)
+        self.lead.get().is_some() && is_back(self.begin) != is_back(self.from.position)
     }
 }
 
@@ -56,7 +53,7 @@ pub(super) struct PlanBuilder<'a> {
     /// When the next piece begins, and its first tick.
     now: Instant,
     tick: Ticks,
-    pub(super) travelled: i128,
+    pub(super) travelled: PositionQ96,
     is_sine: Smooth<bool>,
     /// Pieces that are complete; the next one is written behind them.
     count: usize,
@@ -79,7 +76,7 @@ impl<'a> PlanBuilder<'a> {
             plan,
             now: origin.end,
             tick: origin.end.tick_up(),
-            travelled: 0,
+            travelled: PositionQ96::ZERO,
             is_sine: origin.is_sine,
             count: 0,
             is_full: false,
@@ -100,19 +97,23 @@ impl<'a> PlanBuilder<'a> {
         speed: Uq96,
         half_deceleration: Uq96,
         time: TicksQ32,
-        distance: u128,
+        distance: DistanceQ96,
     ) {
-        let velocity = -speed.cast_signed();
-        self.ramp(velocity, half_deceleration.cast_signed(), time);
-        self.go_on(time, distance.cast_signed().wrapping_neg());
+        self.ramp(-speed.forwards(), half_deceleration.forwards(), time);
+        self.go_on(time, -distance.forwards());
     }
 
     /// Brakes from `speed`, to less or to standstill. Returns the distance.
     #[inline(never)]
-    pub(super) fn brake(&mut self, speed: Uq96, half_deceleration: Uq96, time: TicksQ32) -> u128 {
+    pub(super) fn brake(
+        &mut self,
+        speed: Uq96,
+        half_deceleration: Uq96,
+        time: TicksQ32,
+    ) -> DistanceQ96 {
         let distance = ramp_distance(speed, half_deceleration, time, true);
-        self.ramp(speed.cast_signed(), -half_deceleration.cast_signed(), time);
-        self.go_on(time, distance.cast_signed());
+        self.ramp(speed.forwards(), -half_deceleration.forwards(), time);
+        self.go_on(time, distance.forwards());
         distance
     }
 
@@ -122,15 +123,15 @@ impl<'a> PlanBuilder<'a> {
         speed: Uq96,
         half_acceleration: Uq96,
         time: TicksQ32,
-    ) -> u128 {
+    ) -> DistanceQ96 {
         let distance = ramp_distance(speed, half_acceleration, time, false);
-        self.ramp(speed.cast_signed(), half_acceleration.cast_signed(), time);
-        self.go_on(time, distance.cast_signed());
+        self.ramp(speed.forwards(), half_acceleration.forwards(), time);
+        self.go_on(time, distance.forwards());
         distance
     }
 
     /// A ramp begins here.
-    fn ramp(&mut self, velocity: i128, half_acceleration: i128, time: TicksQ32) {
+    fn ramp(&mut self, velocity: Q96, half_acceleration: Q96, time: TicksQ32) {
         self.mark_ramp();
         let shape = self.shape(time);
         self.write(Piece {
@@ -156,61 +157,61 @@ impl<'a> PlanBuilder<'a> {
             start: self.tick,
             ..piece
         });
-        self.go_on(time, 0);
+        self.go_on(time, PositionQ96::ZERO);
     }
 
     /// Keeps `speed` over `distance`.
-    pub(super) fn cruise(&mut self, speed: Uq96, time: TicksQ32, distance: u128) {
+    pub(super) fn cruise(&mut self, speed: Uq96, time: TicksQ32, distance: DistanceQ96) {
         self.write(Piece {
             start: self.tick,
             anchor: self.now,
             position: self.travelled,
-            velocity: speed.cast_signed(),
-            half_acceleration: 0,
+            velocity: speed.forwards(),
+            half_acceleration: Q96::ZERO,
             shape: Smooth::NONE,
         });
-        self.go_on(time, distance.cast_signed());
+        self.go_on(time, distance.forwards());
     }
 
     /// Brakes to standstill exactly at `target`, in the frame.
     pub(super) fn brake_to_rest_at(
         mut self,
-        target: i128,
+        target: PositionQ96,
         half_deceleration: Uq96,
         time: TicksQ32,
     ) -> Result<(), PlanError> {
-        self.brake_to((target, 0), half_deceleration, time);
+        self.brake_to((target, Uq96::ZERO), half_deceleration, time);
         self.rest_at(target)
     }
 
     /// Brakes for `time`, passes `target` at `speed`, and keeps that.
     pub(super) fn brake_through(
         mut self,
-        target: i128,
+        target: PositionQ96,
         half_deceleration: Uq96,
         time: TicksQ32,
         speed: Uq96,
     ) -> Result<(), PlanError> {
-        self.brake_to((target, speed.cast_signed()), half_deceleration, time);
+        self.brake_to((target, speed), half_deceleration, time);
         self.travelled = target;
         self.keep(speed)
     }
 
-    /// Brakes for `time`, to a velocity at a place: the ramp is anchored there.
+    /// Brakes for `time`, to a speed at a position: the ramp is anchored there.
     fn brake_to(
         &mut self,
-        (position, velocity): (i128, i128),
+        (position, speed): (PositionQ96, Uq96),
         half_deceleration: Uq96,
         time: TicksQ32,
     ) {
         self.mark_ramp();
         let shape = self.shape(time);
-        let half = half_deceleration.cast_signed();
+        let half = half_deceleration.forwards();
         self.write(Piece {
             start: self.tick,
             anchor: self.now.after(time),
             position,
-            velocity,
+            velocity: speed.forwards(),
             half_acceleration: match shape {
                 Shape::Cubic(_) => -half,
                 // The velocity at the other end is greater.
@@ -218,7 +219,7 @@ impl<'a> PlanBuilder<'a> {
             },
             shape: Smooth::new(shape),
         });
-        self.go_on(time, 0);
+        self.go_on(time, PositionQ96::ZERO);
     }
 
     /// The last ramp begins, as far as is known.
@@ -227,7 +228,7 @@ impl<'a> PlanBuilder<'a> {
     }
 
     /// Ends the plan here, standing at `position` in the frame.
-    pub(super) fn rest_at(self, position: i128) -> Result<(), PlanError> {
+    pub(super) fn rest_at(self, position: PositionQ96) -> Result<(), PlanError> {
         self.plan.end = self.tick.min(Ticks::MAX - 1);
         self.plan.rest = self.plan.frame.place(position);
         self.finish()
@@ -235,7 +236,7 @@ impl<'a> PlanBuilder<'a> {
 
     /// Keeps `speed`; the plan has no end.
     pub(super) fn keep(mut self, speed: Uq96) -> Result<(), PlanError> {
-        self.cruise(speed, 0, 0);
+        self.cruise(speed, TicksQ32::ZERO, DistanceQ96::ZERO);
         self.count += 1;
         self.plan.end = Ticks::MAX;
         self.plan.rest = self.plan.frame.origin;
@@ -258,19 +259,19 @@ impl<'a> PlanBuilder<'a> {
         if SIN_SQUARED && *self.is_sine.get() && time >= SHORTEST {
             Shape::Sine(time)
         } else {
-            Shape::Cubic(0)
+            Shape::Cubic(Q128::ZERO)
         }
     }
 
     /// The piece lasts so long and goes so far. If it has ended before its first tick comes, the next one is written over it.
-    fn go_on(&mut self, time: TicksQ32, distance: i128) {
+    fn go_on(&mut self, time: TicksQ32, distance: PositionQ96) {
         self.now = self.now.after(time);
         let tick = self.now.tick_up();
         if tick != self.tick {
             self.count += 1;
             self.tick = tick;
         }
-        self.travelled = self.travelled.wrapping_add(distance);
+        self.travelled = self.travelled + distance;
     }
 
     /// Writes the piece that comes next, or writes over it.

@@ -7,11 +7,12 @@
 use super::builder::Origin;
 use super::goal::{Goal, Limits};
 use super::move_to::distance_to;
-use super::piece::{Instant, Piece, Shape, distance_at, over_time};
+use super::piece::{Instant, Piece, Shape};
 use super::smooth::{SMOOTH, Smooth};
 use super::{Order, Plan, Ramps, sine};
-use crate::clock::{Clock, Ticks, Uq96, Uq128};
+use crate::clock::{Clock, Ticks};
 use crate::divide::quotient;
+use crate::exact::{PositionQ96, Q96, Q128, TicksQ32, Uq96, with_sign};
 use crate::fixed::Exact;
 use crate::speed::Speed;
 use crate::u256::U256;
@@ -22,11 +23,11 @@ use core::cmp::Ordering;
 pub(crate) struct InitialState {
     pub(crate) tick: Ticks,
     pub(crate) from: Exact,
-    /// The acceleration, Q96 steps per tick². Linear ramps ignore it.
-    pub(crate) acceleration: Smooth<i128>,
-    /// A sixth of the jerk at which the acceleration is brought to zero, Q128 steps per tick³: no less than the jerk that has built it up,
+    /// Linear ramps ignore it.
+    pub(crate) acceleration: Smooth<Q96>,
+    /// A sixth of the jerk at which the acceleration is brought to zero: no less than the jerk that has built it up,
     /// or the velocity would go on beyond its limit.
-    pub(crate) sixth_jerk: Smooth<Uq128>,
+    pub(crate) sixth_jerk: Smooth<Q128>,
     /// The goal, limits and ramps that it was planned for, if its ramps are smooth.
     pub(super) order: Smooth<Option<Order>>,
     /// A sin² ramp that is under way and may be finished, in the frame of the axis.
@@ -54,25 +55,24 @@ impl InitialState {
         *self.order.get() == Some((goal, limits, ramps))
     }
 
-    /// With an acceleration, Q96 steps per tick², and a sixth of the jerk of which it is.
-    pub(crate) const fn easing(mut self, acceleration: i128, sixth_jerk: Uq128) -> Self {
+    /// With an acceleration, and a sixth of the jerk of which it is.
+    pub(crate) const fn easing(mut self, acceleration: Q96, sixth_jerk: Q128) -> Self {
         self.acceleration = Smooth::new(acceleration);
         self.sixth_jerk = Smooth::new(sixth_jerk);
         self
     }
 
-    /// Begins with a speed towards the target, Q96 steps per tick, at once: from rest, or from a lower speed in that direction.
+    /// Begins with a speed towards the target at once: from rest, or from a lower speed in that direction.
     pub(crate) fn jump(&mut self, speed: Uq96, target_steps: i64) {
-        let is_steady = *self.acceleration.get() == 0 && self.ramp.get().is_none();
-        let Some((gap, is_back)) = distance_to(target_steps, self.from).filter(|_| is_steady)
-        else {
+        let is_steady = self.acceleration.get().is_zero() && self.ramp.get().is_none();
+        let to_target = distance_to(target_steps, self.from.position);
+        let Some((gap, is_back)) = to_target.filter(|_| is_steady) else {
             return;
         };
         let now = self.from.velocity;
-        let is_along = now == 0 || (now < 0) == is_back;
-        if gap != 0 && is_along && now.unsigned_abs() < speed {
-            let speed = speed.cast_signed();
-            self.from.velocity = if is_back { -speed } else { speed };
+        let is_along = now.is_zero() || (now < Q96::ZERO) == is_back;
+        if !gap.is_zero() && is_along && now.amount() < speed {
+            self.from.velocity = with_sign(speed.forwards(), is_back);
         }
     }
 
@@ -99,44 +99,42 @@ impl InitialState {
     }
 
     /// A sixth of the jerk at which its acceleration is brought to zero.
-    pub(super) fn sixth_jerk(&self) -> Uq128 {
+    pub(super) fn sixth_jerk(&self) -> Q128 {
         match self.ramp.get() {
-            Some(ramp) if *self.acceleration.get() != 0 => ramp.sixth_jerk(),
+            Some(ramp) if !self.acceleration.get().is_zero() => ramp.sixth_jerk(),
             _ => *self.sixth_jerk.get(),
         }
     }
 
     /// From where sin² ramps go on when the acceleration has been brought to zero; at once if there is no jerk for that.
-    fn ease(&self, sixth_jerk: Uq128, origin: &mut Origin) {
+    fn ease(&self, sixth_jerk: Q128, origin: &mut Origin) {
         let Self { tick, from, .. } = *self;
         let acceleration = *self.acceleration.get();
-        let strength = acceleration.unsigned_abs();
-        let jerk = 6 * sixth_jerk;
+        let strength = acceleration.amount();
+        let jerk = 6 * sixth_jerk.bits().cast_unsigned();
         // A divisor has 96 bits.
-        let time = if jerk >> 96 == 0 {
-            quotient(strength, 2, jerk)
+        let time = TicksQ32::from_bits(if jerk >> 96 == 0 {
+            quotient(strength.bits(), 2, jerk)
         } else {
-            quotient(strength, 1, jerk >> 32)
-        };
-        if time == 0 {
+            quotient(strength.bits(), 1, jerk >> 32)
+        });
+        if time.is_zero() {
             return;
         }
-        let signed = |value: u128| {
-            let value = value.cast_signed();
-            if acceleration < 0 { -value } else { value }
-        };
+        let falls = acceleration < Q96::ZERO;
         let end = Instant::from(tick).after(time);
-        let velocity = from.velocity + signed(over_time(strength, time) >> 1);
+        let gain = strength.gain(time).halved().forwards();
+        let velocity = from.velocity + with_sign(gain, falls);
         let lead = Piece {
             start: tick,
             anchor: end,
-            position: 0,
+            position: PositionQ96::ZERO,
             velocity,
-            half_acceleration: 0,
-            shape: Smooth::new(Shape::Cubic(-signed(sixth_jerk))),
+            half_acceleration: Q96::ZERO,
+            shape: Smooth::new(Shape::Cubic(with_sign(sixth_jerk, !falls))),
         };
         // However long it lasts and whatever is rounded in it, it begins here.
-        let position = from.position.wrapping_sub(lead.position_at(tick));
+        let position = from.position - lead.position_at(tick);
         origin.lead = Smooth::new(Some(lead));
         origin.end = end;
         origin.from = Exact { position, velocity };
@@ -159,14 +157,14 @@ impl InitialState {
         // From where it is anchored to where it ends.
         let is_braking = Instant::from(self.tick) < ramp.anchor;
         let (end, distance, gain) = if is_braking {
-            (ramp.anchor, 0, 0)
+            (ramp.anchor, PositionQ96::ZERO, Q96::ZERO)
         } else {
-            let half_gain = distance_at(half, time);
-            let distance = distance_at(ramp.velocity + half_gain, time);
-            (ramp.anchor.after(time), distance, 2 * half_gain)
+            let half_gain = half.gain(time);
+            let distance = (ramp.velocity + half_gain).distance(time);
+            (ramp.anchor.after(time), distance, half_gain.doubled())
         };
         let from = Exact {
-            position: ramp.position.wrapping_add(distance),
+            position: ramp.position + distance,
             velocity: ramp.velocity + gain,
         };
         let change = if is_braking { -half } else { half };
@@ -175,7 +173,7 @@ impl InitialState {
         }
         origin.lead = Smooth::new(Some(Piece {
             start: self.tick,
-            position: distance.wrapping_neg(),
+            position: -distance,
             ..*ramp
         }));
         origin.end = end;
@@ -185,14 +183,14 @@ impl InitialState {
 
     /// If these limits are harder than the present ones, a sixth of the jerk of a ramp within them between rest and the profile velocity,
     /// or the present velocity if that is higher; otherwise 0. So a quick stop does not last as long as the gentle ramp that it ends.
-    fn harder_jerk(&self, clock: Clock, limits: Limits) -> Uq128 {
+    fn harder_jerk(&self, clock: Clock, limits: Limits) -> Q128 {
         let hardest = |limits: Limits| limits.acceleration.max(limits.deceleration);
         if !matches!(*self.order.get(), Some((_, before, _)) if hardest(limits) > hardest(before)) {
-            return 0;
+            return Q128::ZERO;
         }
         let speed = clock
             .speed(limits.velocity)
-            .max(self.from.velocity.unsigned_abs());
+            .max(self.from.velocity.amount());
         sine::jerk_of(clock.half_acceleration(hardest(limits)), speed)
     }
 }
@@ -211,9 +209,9 @@ impl Plan {
             Some((piece, _)) if piece.is_sine() => {
                 start.ramp = Smooth::new(Some(piece.placed(&self.frame)));
             }
-            _ if acceleration == 0 => {}
-            Some((piece, _)) if piece.sixth_jerk() != 0 => {
-                start.sixth_jerk = Smooth::new(piece.sixth_jerk())
+            _ if acceleration.is_zero() => {}
+            Some((piece, _)) if !piece.sixth_jerk().is_zero() => {
+                start.sixth_jerk = Smooth::new(piece.sixth_jerk());
             }
             _ => start.sixth_jerk = self.sixth_jerk,
         }
@@ -223,22 +221,27 @@ impl Plan {
 
 /// Whether a motion to `goal` finishes a sin² ramp whatever it does then: it goes on accelerating, or it has to brake
 /// at least as far. `rest` is where the ramp ends, and `change` half of the acceleration of the linear ramp in its place.
-fn is_done_anyway(rest: Exact, change: i128, clock: Clock, goal: Goal, limits: Limits) -> bool {
+fn is_done_anyway(rest: Exact, change: Q96, clock: Clock, goal: Goal, limits: Limits) -> bool {
     let end = rest.velocity;
-    let is_reverse = if end == 0 { change > 0 } else { end < 0 };
-    let rises = (change < 0) == is_reverse;
-    let speed = end.unsigned_abs();
+    let speed = end.amount();
+    let is_rest = speed.is_zero();
+    let is_reverse = if is_rest {
+        change > Q96::ZERO
+    } else {
+        end < Q96::ZERO
+    };
+    let rises = (change < Q96::ZERO) == is_reverse;
     let rate = if rises {
         limits.acceleration
     } else {
         limits.deceleration
     };
     let half = clock.half_acceleration(rate);
-    let own = change.unsigned_abs();
+    let own = change.amount();
     // Harder limits are obeyed, and gentler ones where less speed is not what is wanted. But no braking for the target is longer than this.
     if let Goal::Rest(target) = goal
-        && speed == 0
-        && distance_to(target, rest).is_some_and(|(gap, _)| gap == 0)
+        && is_rest
+        && distance_to(target, rest.position).is_some_and(|(gap, _)| gap.is_zero())
     {
         return true;
     }
@@ -249,7 +252,7 @@ fn is_done_anyway(rest: Exact, change: i128, clock: Clock, goal: Goal, limits: L
     let (target, passes) = match goal {
         Goal::Velocity(velocity) => {
             let wanted = clock.speed(velocity.unsigned_abs()).min(top);
-            let is_along = wanted == 0 || (velocity.bits() < 0) == is_reverse;
+            let is_along = wanted.is_zero() || (velocity.bits() < 0) == is_reverse;
             return if rises {
                 is_along && wanted >= speed
             } else {
@@ -259,25 +262,28 @@ fn is_done_anyway(rest: Exact, change: i128, clock: Clock, goal: Goal, limits: L
         Goal::Rest(target) => (target, Speed::ZERO),
         Goal::Pass(target, end) => (target, end),
     };
-    let Some((gap, is_back)) = distance_to(target, rest) else {
+    let Some((gap, is_back)) = distance_to(target, rest.position) else {
         return false;
     };
-    let is_ahead = gap == 0 || is_back == is_reverse;
-    if speed == 0 {
-        return !is_ahead || gap == 0 && passes == Speed::ZERO;
+    let is_there = gap.is_zero();
+    let is_ahead = is_there || is_back == is_reverse;
+    if is_rest {
+        return !is_ahead || is_there && passes == Speed::ZERO;
     }
     if rises && speed > top || !rises && speed >= top {
         return !rises;
     }
     // Whether it can be at the velocity to pass with when it gets there: 2·d·gap is not less than v² − e², by whole products.
     let end = clock.speed(passes).min(top);
-    let margin = match (is_ahead, speed.checked_sub(end)) {
-        (false, _) => Ordering::Less,
-        (true, None) => Ordering::Greater,
-        (true, Some(more)) => {
-            let deceleration = clock.half_acceleration(limits.deceleration) << 2;
-            U256::product(deceleration, gap).cmp(&U256::product(more, speed + end))
-        }
+    let margin = if !is_ahead {
+        Ordering::Less
+    } else if speed < end {
+        Ordering::Greater
+    } else {
+        let deceleration = clock.half_acceleration(limits.deceleration);
+        let (more, sum) = (speed - end, speed + end);
+        U256::product(deceleration.bits() << 2, gap.bits())
+            .cmp(&U256::product(more.bits(), sum.bits()))
     };
     if rises {
         margin.is_ge()

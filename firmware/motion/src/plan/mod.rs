@@ -23,7 +23,8 @@ mod sine;
 mod smooth;
 mod velocity;
 
-use crate::clock::{Clock, Ticks, Uq128};
+use crate::clock::{Clock, Ticks};
+use crate::exact::{PositionQ96, Q96, Q128};
 use crate::fixed::{Exact, State};
 use crate::speed::{SignedSpeed, Speed};
 use crate::stepper::polynomial::Polynomial;
@@ -57,20 +58,20 @@ pub struct Plan {
     pieces: Vec<Piece, MOST_PIECES>,
     /// The phase that was entered, and the first tick behind it.
     entered: Option<(Phase, Ticks)>,
-    /// The position from `end` on, Q96 steps.
-    rest: i128,
+    /// The position from `end` on.
+    rest: PositionQ96,
     /// The first tick of the ramp to rest, or of the last ramp there is.
     last_ramp: Ticks,
     /// What the plan was made for, if its ramps are smooth.
     order: Smooth<Option<Order>>,
-    /// A sixth of the jerk of its ramps, Q128 steps per tick³; 0 if it is not limited.
-    sixth_jerk: Smooth<Uq128>,
+    /// A sixth of the jerk of its ramps; 0 if it is not limited.
+    sixth_jerk: Smooth<Q128>,
 }
 
 impl Plan {
     /// Standing at a whole step (modulo 2³²) from tick `start` on.
     pub const fn at_rest(position_steps: i64, start: Ticks) -> Self {
-        let rest = Exact::at_rest(position_steps).position;
+        let rest = PositionQ96::from_steps(position_steps);
         Self {
             frame: Frame {
                 start,
@@ -275,7 +276,7 @@ impl Plan {
             }
             // A target that is passed before anything new begins: the end velocity comes about behind it.
             Goal::Pass(target, end) if end != Speed::ZERO && origin.passes(target) => {
-                let velocity = end.signed(origin.from.velocity < 0);
+                let velocity = end.signed(origin.from.velocity < Q96::ZERO);
                 velocity::plan(self, clock, origin, velocity, limits)?;
             }
             Goal::Pass(target, end) => move_to::plan(self, clock, origin, (target, end), limits)?,
@@ -383,20 +384,17 @@ impl Plan {
         }
         match self.phase_at(t) {
             Some(phase) => phase.at(t),
-            None => Exact {
-                position: self.rest,
-                velocity: 0,
-            },
+            None => Exact::at_rest(self.rest),
         }
     }
 
-    /// The exact state, and the acceleration there, Q96 steps per tick².
-    fn motion_at(&self, t: Ticks) -> (Exact, i128) {
+    /// The exact state, and the acceleration there.
+    fn motion_at(&self, t: Ticks) -> (Exact, Q96) {
         let t = t.max(self.frame.start);
         let phase = self.entered(t).copied().or_else(|| self.phase_at(t));
         match phase {
             Some(phase) => (phase.at(t), phase.acceleration_exact(t)),
-            None => (self.exact_at(t), 0),
+            None => (self.exact_at(t), Q96::ZERO),
         }
     }
 
@@ -424,7 +422,7 @@ impl Plan {
     /// Stands on the target from where it passes it on, and keeps no velocity there. Not true, and nothing changes, if it does not pass the target as
     /// it was asked to: the velocity comes about behind it.
     pub(crate) fn stop_at(&mut self, target_steps: i64) -> bool {
-        let target = Exact::at_rest(target_steps).position;
+        let target = PositionQ96::from_steps(target_steps);
         if self.end != Ticks::MAX {
             return self.rest == target;
         }
@@ -443,11 +441,7 @@ impl Plan {
 
     /// Where the motion comes to rest; `None` if it never does.
     pub(crate) fn destination(&self) -> Option<Exact> {
-        let rest = Exact {
-            position: self.rest,
-            velocity: 0,
-        };
-        self.end().map(|_| rest)
+        self.end().map(|_| Exact::at_rest(self.rest))
     }
 }
 

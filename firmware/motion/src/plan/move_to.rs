@@ -6,10 +6,10 @@
 use super::Plan;
 use super::builder::{Origin, PlanBuilder};
 use super::goal::{Limits, PlanError};
-use super::piece::{Acceleration, TicksQ32, ramp_distance};
-use crate::clock::{Clock, Uq96};
+use super::piece::{Acceleration, ramp_distance};
+use crate::clock::Clock;
 use crate::divide::{estimate, quotient};
-use crate::fixed::Exact;
+use crate::exact::{DistanceQ96, PositionQ96, Q96, TicksQ32, Uq96};
 use crate::low;
 use crate::root::isqrt;
 use crate::speed::Speed;
@@ -32,12 +32,13 @@ pub(super) fn plan(
     if limits.deceleration == 0 {
         return Err(PlanError::ZeroDeceleration);
     }
-    let from = origin.from;
-    let (gap, is_back) = distance_to(target_steps, from).ok_or(PlanError::OutOfRange)?;
-    let speed = from.velocity.unsigned_abs();
+    let from = &origin.from;
+    let (gap, is_back) = distance_to(target_steps, from.position).ok_or(PlanError::OutOfRange)?;
+    let speed = from.velocity.amount();
     // On the target but still moving, the target counts as ahead: it will be overshot.
-    let target_behind = if gap == 0 { from.velocity < 0 } else { is_back };
-    let approaching = speed != 0 && (from.velocity < 0) == target_behind;
+    let is_reverse = from.velocity < Q96::ZERO;
+    let target_behind = if gap.is_zero() { is_reverse } else { is_back };
+    let approaching = !speed.is_zero() && is_reverse == target_behind;
 
     let deceleration = Acceleration::new(clock, limits.deceleration);
     let half_deceleration = deceleration.half;
@@ -47,7 +48,7 @@ pub(super) fn plan(
     }
     let stop_distance = ramp_distance(speed, half_deceleration, stop_time, true);
 
-    let end = if end_velocity == Speed::ZERO || gap == 0 {
+    let end = if end_velocity == Speed::ZERO || gap.is_zero() {
         End::REST
     } else {
         End::of(
@@ -65,17 +66,17 @@ pub(super) fn plan(
         deceleration,
         end,
     };
-    let goal = gap.cast_signed();
+    let goal = gap.forwards();
     if approaching {
         let is_short = distance < stop_distance;
         let spare = distance.abs_diff(stop_distance);
         let is_exact = spare <= indistinct(stop_time);
-        if is_exact && route.end.speed == 0 {
+        if is_exact && route.end.speed.is_zero() {
             // The target is exactly at the stopping distance: brake, and nothing else.
             let builder = PlanBuilder::new(plan, origin, target_behind);
             return builder.brake_to_rest_at(goal, half_deceleration, stop_time);
         }
-        if (is_exact || is_short) && route.end.speed != 0 {
+        if (is_exact || is_short) && !route.end.speed.is_zero() {
             // Too fast for the end velocity: it comes about behind the target.
             let mut builder = PlanBuilder::new(plan, origin, target_behind);
             let time = route
@@ -88,7 +89,7 @@ pub(super) fn plan(
             // Too fast to stop in time: brake, turn round, come back.
             let mut builder = PlanBuilder::new(plan, origin, !target_behind);
             builder.brake_to_standstill(speed, half_deceleration, stop_time, stop_distance);
-            return route.append_to(builder, 0, spare, goal.wrapping_neg());
+            return route.append_to(builder, Uq96::ZERO, spare, -goal);
         }
         let builder = PlanBuilder::new(plan, origin, target_behind);
         return route.append_to(builder, speed, distance, goal);
@@ -97,28 +98,30 @@ pub(super) fn plan(
         .checked_add(stop_distance)
         .ok_or(PlanError::OutOfRange)?;
     let mut builder = PlanBuilder::new(plan, origin, target_behind);
-    if speed != 0 {
+    if !speed.is_zero() {
         builder.brake_to_standstill(speed, half_deceleration, stop_time, stop_distance);
     }
-    route.append_to(builder, 0, distance, goal)
+    route.append_to(builder, Uq96::ZERO, distance, goal)
 }
 
 /// Whether braking from a speed, which takes so long, leads 2³² steps away or more: half of speed · time bounds it well enough.
 fn is_beyond_span(speed: Uq96, time: TicksQ32) -> bool {
+    let (speed, time) = (speed.bits(), time.bits());
     let bits = 256 - speed.leading_zeros() - time.leading_zeros();
     bits > 160 && U256::product(speed, time).shifted(33).is_none()
 }
 
-/// How far it is to a target, Q96 steps, and whether it lies behind. `None` if that is 2³² steps or more: positions wrap there.
-pub(super) fn distance_to(target_steps: i64, from: Exact) -> Option<(u128, bool)> {
-    let steps = target_steps.checked_sub((from.position >> 96) as i64)?;
+/// How far it is to a target, and whether it lies behind. `None` if that is 2³² steps or more: positions wrap there.
+pub(super) fn distance_to(target_steps: i64, from: PositionQ96) -> Option<(DistanceQ96, bool)> {
+    let steps = target_steps.checked_sub(from.steps().into())?;
     let distance = u32::try_from(steps.unsigned_abs()).ok()?;
     let distance = u128::from(distance) << 96;
-    let part = from.position.cast_unsigned() & ((1 << 96) - 1);
+    let part = from.bits().cast_unsigned() & ((1 << 96) - 1);
+    let amount = DistanceQ96::from_bits;
     Some(if steps > 0 {
-        (distance - part, false)
+        (amount(distance - part), false)
     } else {
-        (distance.checked_add(part)?, true)
+        (amount(distance.checked_add(part)?), true)
     })
 }
 
@@ -126,8 +129,8 @@ pub(super) fn distance_to(target_steps: i64, from: Exact) -> Option<(u128, bool)
 ///
 /// A state has been rounded to 2⁻³² steps and 2⁻⁵⁶ steps per tick, and the latter adds up over the time of braking. Taking such a
 /// difference for an overshoot would make the axis turn round for nothing.
-fn indistinct(stop_time: TicksQ32) -> u128 {
-    ((stop_time >> 32) << 40).saturating_add(1 << 64)
+fn indistinct(stop_time: TicksQ32) -> DistanceQ96 {
+    DistanceQ96::from_bits(((stop_time.bits() >> 32) << 40).saturating_add(1 << 64))
 }
 
 /// What is left of the speed at the target.
@@ -135,18 +138,18 @@ struct End {
     speed: Uq96,
     /// How long it takes to brake from it to rest, and how far.
     time: TicksQ32,
-    distance: u128,
+    distance: DistanceQ96,
 }
 
 impl End {
     const REST: Self = Self {
-        speed: 0,
-        time: 0,
-        distance: 0,
+        speed: Uq96::ZERO,
+        time: TicksQ32::ZERO,
+        distance: DistanceQ96::ZERO,
     };
 
     fn of(speed: Uq96, deceleration: &Acceleration) -> Self {
-        if speed == 0 {
+        if speed.is_zero() {
             return Self::REST;
         }
         let time = deceleration.time(speed);
@@ -173,10 +176,10 @@ impl Route {
         &self,
         mut builder: PlanBuilder<'_>,
         mut speed: Uq96,
-        mut distance: u128,
-        target: i128,
+        mut distance: DistanceQ96,
+        target: PositionQ96,
     ) -> Result<(), PlanError> {
-        if distance == 0 {
+        if distance.is_zero() {
             return builder.rest_at(target);
         }
         let top = self.clock.speed(self.limits.velocity);
@@ -208,7 +211,7 @@ impl Route {
         if peak > speed {
             let time = acceleration.time(peak - speed);
             // The same ramp up and down is worked out once.
-            if speed == 0 && is_alike {
+            if speed.is_zero() && is_alike {
                 stop_time = Some(time);
             }
             let covered = builder.accelerate(speed, half_acceleration, time);
@@ -218,12 +221,13 @@ impl Route {
         let stop_distance = ramp_distance(peak, half_deceleration, stop_time, true);
         distance = distance.saturating_sub(stop_distance);
         // The fraction of a tick survives however long the cruise is.
-        builder.cruise(peak, quotient(distance, 1, peak), distance);
-        if self.end.speed == 0 {
+        let time = TicksQ32::from_bits(quotient(distance.bits(), 1, peak.bits()));
+        builder.cruise(peak, time, distance);
+        if self.end.speed.is_zero() {
             builder.brake_to_rest_at(target, half_deceleration, stop_time)
         } else {
             // Both times are rounded down: a difference that is too long would begin above the peak.
-            let time = stop_time.saturating_sub(self.end.time + 1);
+            let time = stop_time.saturating_sub(self.end.time + TicksQ32::from_bits(1));
             builder.brake_through(target, half_deceleration, time, self.end.speed)
         }
     }
@@ -233,10 +237,10 @@ impl Route {
     ///
     /// 32 significant bits are plenty. The duration is at its minimum at the exact peak, so what is lost there enters it squared; and
     /// because the peak is rounded down, there is always some cruise left to take up the difference.
-    fn peak(&self, half_acceleration: Uq96, speed: Uq96, distance: u128) -> Uq96 {
-        let mut square = U256::product(half_acceleration << 2, distance);
-        if speed != 0 {
-            square = square.plus(U256::product(speed, speed));
+    fn peak(&self, half_acceleration: Uq96, speed: Uq96, distance: DistanceQ96) -> Uq96 {
+        let mut square = U256::product(half_acceleration.bits() << 2, distance.bits());
+        if !speed.is_zero() {
+            square = square.plus(U256::product(speed.bits(), speed.bits()));
         }
         let (mantissa, exponent) = square.leading();
         let (share, below) = if self.limits.acceleration == self.limits.deceleration {
@@ -251,13 +255,13 @@ impl Route {
         // share · 2^(exponent − below): an even exponent, so that its root is a shift.
         let exponent = exponent.cast_signed() - below;
         let odd = exponent & 1;
-        let speed = Uq96::from(isqrt(share >> odd));
+        let speed = u128::from(isqrt(share >> odd));
         let half = (exponent + odd) / 2;
-        if half < 0 {
+        Uq96::from_bits(if half < 0 {
             speed >> (half.unsigned_abs() & 127)
         } else {
             speed << (half.unsigned_abs() & 127)
-        }
+        })
     }
 }
 

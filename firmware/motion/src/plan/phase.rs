@@ -7,7 +7,8 @@
 
 use super::smooth::Smooth;
 use crate::clock::{Clock, Ticks};
-use crate::fixed::{Exact, Q96, Q128, State, product};
+use crate::exact::{PositionQ96, Q96, Q128};
+use crate::fixed::{Exact, State};
 use crate::low;
 use crate::stepper::polynomial::Polynomial;
 use crate::u256::U256;
@@ -19,25 +20,24 @@ pub struct Phase {
     start: Ticks,
     /// The tick for which the coefficients hold.
     anchor: Ticks,
-    position: i128,
-    velocity: i128,
-    half_acceleration: i128,
-    /// A sixth of the jerk, Q128 steps per tick³.
-    sixth_jerk: Smooth<i128>,
+    position: PositionQ96,
+    velocity: Q96,
+    half_acceleration: Q96,
+    sixth_jerk: Smooth<Q128>,
 }
 
 impl Phase {
     pub(crate) const NONE: Self = Self {
         start: 0,
         anchor: 0,
-        position: 0,
-        velocity: 0,
-        half_acceleration: 0,
+        position: PositionQ96::ZERO,
+        velocity: Q96::ZERO,
+        half_acceleration: Q96::ZERO,
         sixth_jerk: Smooth::NONE,
     };
 
-    /// A parabola that begins in a state, with half of an acceleration, Q96 steps per tick².
-    pub(crate) const fn parabola(start: Ticks, from: Exact, half_acceleration: i128) -> Self {
+    /// A parabola that begins in a state, with half of an acceleration.
+    pub(crate) const fn parabola(start: Ticks, from: Exact, half_acceleration: Q96) -> Self {
         Self {
             start,
             anchor: start,
@@ -51,9 +51,9 @@ impl Phase {
     /// A polynomial of degree 3 that is at `position` with `velocity` at its anchor; half of the acceleration there, and a sixth of the jerk.
     pub(super) const fn cubic(
         (start, anchor): (Ticks, Ticks),
-        position: i128,
-        velocity: i128,
-        (half_acceleration, sixth_jerk): (i128, i128),
+        position: PositionQ96,
+        velocity: Q96,
+        (half_acceleration, sixth_jerk): (Q96, Q128),
     ) -> Self {
         Self {
             start,
@@ -80,22 +80,26 @@ impl Phase {
         let acceleration = self.acceleration_exact(t);
         let rate = u128::from(clock.hz());
         let magnitude = low::u64(
-            U256::product(acceleration.unsigned_abs(), rate * rate)
+            U256::product(acceleration.amount().bits(), rate * rate)
                 .plus(U256::product(1 << 95, 1))
                 .shifted_wrapping(96),
         )
         .cast_signed();
-        if acceleration < 0 {
+        if acceleration < Q96::ZERO {
             magnitude.wrapping_neg()
         } else {
             magnitude
         }
     }
 
-    /// The acceleration at tick `t`, Q96 steps per tick².
-    pub(crate) fn acceleration_exact(&self, t: Ticks) -> i128 {
-        let rise = whole(times(*self.sixth_jerk.get(), self.since_anchor(t)));
-        2 * (self.half_acceleration + 3 * rise)
+    /// The acceleration at tick `t`.
+    pub(crate) fn acceleration_exact(&self, t: Ticks) -> Q96 {
+        self.half_acceleration_at(t).doubled()
+    }
+
+    fn half_acceleration_at(&self, t: Ticks) -> Q96 {
+        let rise = self.sixth_jerk.get().even_gain(self.since_anchor(t));
+        self.half_acceleration + rise.doubled() + rise
     }
 
     /// The state at tick `t` of the phase.
@@ -109,71 +113,52 @@ impl Phase {
         let n = self.since_anchor(t);
         // Most of the time is spent in cruises, and wide products take long.
         let (half, rise) = match (*self.sixth_jerk.get(), self.half_acceleration) {
-            (0, half) => (half, 0),
+            (Q128::ZERO, half) => (half, Q96::ZERO),
             (sixth_jerk, half) => {
-                let rise = whole(times(sixth_jerk, n));
+                let rise = sixth_jerk.even_gain(n);
                 (half + rise, rise)
             }
         };
-        let gain = if half == 0 { 0 } else { times(half, n) };
-        let change = gain
-            .wrapping_mul(2)
-            .wrapping_add(if rise == 0 { 0 } else { times(rise, n) });
+        let mut gain = Q96::ZERO;
+        if !half.is_zero() {
+            gain = half.gain(n);
+        }
+        let mut change = gain.doubled();
+        if !rise.is_zero() {
+            change = change + rise.gain(n);
+        }
         Exact {
-            position: times(self.velocity.wrapping_add(gain), n).wrapping_add(self.position),
-            velocity: self.velocity.wrapping_add(change),
+            position: (self.velocity + gain).distance(n) + self.position,
+            velocity: self.velocity + change,
         }
     }
 
     /// How it goes on from tick `t` up to `end`, its own or an earlier one.
     pub(crate) fn polynomial(&self, t: Ticks, end: Ticks) -> Polynomial {
         Polynomial {
-            half: Q96(self.acceleration_exact(t) >> 1),
-            sixth: Q128(*self.sixth_jerk.get()),
+            half: self.half_acceleration_at(t),
+            sixth: *self.sixth_jerk.get(),
             ..Polynomial::line(end, self.at(t))
         }
     }
 
-    fn since_anchor(&self, t: Ticks) -> i128 {
-        i128::from(t.wrapping_sub(self.anchor).cast_signed())
+    /// In ticks, negative before it.
+    const fn since_anchor(&self, t: Ticks) -> i64 {
+        t.wrapping_sub(self.anchor).cast_signed()
     }
 
-    /// Half of the acceleration at the anchor, Q96 steps per tick²; of a parabola, that everywhere.
-    pub(crate) const fn half_acceleration(&self) -> i128 {
+    /// Half of the acceleration at the anchor; of a parabola, that everywhere.
+    pub(crate) const fn half_acceleration(&self) -> Q96 {
         self.half_acceleration
     }
 
     /// Whether it is one parabola, so that the longest chord is the same everywhere.
     pub(crate) const fn is_parabola(&self) -> bool {
-        *self.sixth_jerk.get() == 0
+        self.sixth_jerk.get().is_zero()
     }
 
     /// Whether its velocity is constant.
     pub(crate) const fn is_line(&self) -> bool {
-        self.is_parabola() && self.half_acceleration == 0
-    }
-}
-
-/// A product modulo 2¹²⁸. Within 2³² ticks of the anchor, 25 s at 168 MHz, it is four short ones.
-#[inline]
-fn times(value: i128, ticks: i128) -> i128 {
-    let Ok(factor) = u32::try_from(ticks.unsigned_abs()) else {
-        return value.wrapping_mul(ticks);
-    };
-    let product = product(value, factor);
-    if ticks < 0 {
-        product.wrapping_neg()
-    } else {
-        product
-    }
-}
-
-/// value / 2³² towards zero, which treats both directions alike.
-pub(super) fn whole(value: i128) -> i128 {
-    let magnitude = (value.unsigned_abs() >> 32).cast_signed();
-    if value < 0 {
-        magnitude.wrapping_neg()
-    } else {
-        magnitude
+        self.is_parabola() && self.half_acceleration.is_zero()
     }
 }

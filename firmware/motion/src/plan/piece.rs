@@ -4,15 +4,14 @@
 //! in its direction. So a mirrored motion is the exact mirror image, bit by bit.
 
 use super::goal::SIN_SQUARED;
-use super::phase::{Phase, whole};
+use super::phase::Phase;
 use super::sine;
 use super::smooth::Smooth;
-use crate::clock::{Clock, Ticks, Uq96, Uq128};
+use crate::clock::{Clock, Ticks};
 use crate::divide::Divisor;
+use crate::exact::{DistanceQ96, PositionQ96, Q96, Q128, TicksQ32, Time, Uq96, with_sign};
 use crate::low;
-
-/// A time in ticks, Q32: corners fall between ticks.
-pub(crate) type TicksQ32 = u128;
+use core::ops::Neg;
 
 /// A moment in the axis' time: ticks, Q32. A ramp may be anchored behind the last tick that [`Ticks`] can tell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -26,17 +25,17 @@ impl Instant {
 
     #[inline]
     pub(super) const fn after(self, time: TicksQ32) -> Self {
-        Self(self.0.saturating_add(time))
+        Self(self.0.saturating_add(time.bits()))
     }
 
     /// So long before it.
     pub(super) const fn before(self, time: TicksQ32) -> Self {
-        Self(self.0.saturating_sub(time))
+        Self(self.0.saturating_sub(time.bits()))
     }
 
     /// How long it is from one to the other.
     pub(super) const fn apart(self, other: Self) -> TicksQ32 {
-        self.0.abs_diff(other.0)
+        TicksQ32::from_bits(self.0.abs_diff(other.0))
     }
 
     /// The last tick that is not behind it, modulo 2⁶⁴.
@@ -49,13 +48,13 @@ impl Instant {
         if self.0 >> 96 != 0 {
             return Ticks::MAX;
         }
-        let is_behind = self.fraction() != 0;
+        let is_behind = self.fraction().0 != 0;
         self.tick().saturating_add(is_behind.into())
     }
 
-    /// How far it is behind the tick before it, Q32.
-    const fn fraction(self) -> u32 {
-        low::u32(low::u64(self.0))
+    /// How far it is behind the tick before it.
+    const fn fraction(self) -> TickPart {
+        TickPart(low::u32(low::u64(self.0)))
     }
 }
 
@@ -64,32 +63,30 @@ impl Instant {
 pub(super) struct Frame {
     /// The first tick of the plan.
     pub(super) start: Ticks,
-    /// The position of the origin, Q96 steps.
-    pub(super) origin: i128,
+    /// The position of the origin.
+    pub(super) origin: PositionQ96,
     /// The motion goes backwards.
     pub(super) reverse: bool,
 }
 
 impl Frame {
-    pub(super) const fn turn(&self, value: i128) -> i128 {
-        if self.reverse {
-            value.wrapping_neg()
-        } else {
-            value
-        }
+    /// From its direction to that of the axis, or back.
+    #[inline]
+    pub(super) fn turn<T: Neg<Output = T>>(&self, value: T) -> T {
+        with_sign(value, self.reverse)
     }
 
     /// A position of the axis.
-    pub(super) const fn place(&self, position: i128) -> i128 {
-        self.origin.wrapping_add(self.turn(position))
+    pub(super) fn place(&self, position: PositionQ96) -> PositionQ96 {
+        self.origin + self.turn(position)
     }
 }
 
 /// What a piece is.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Shape {
-    /// A polynomial of degree 3; a sixth of its jerk, Q128 steps per tick³.
-    Cubic(i128),
+    /// A polynomial of degree 3; a sixth of its jerk.
+    Cubic(Q128),
     /// A sin² ramp that takes so long, at least [`sine::SHORTEST`], anchored at one of its ends. The acceleration is that of the linear ramp in its
     /// place, positive if the velocity at the other end is greater.
     Sine(TicksQ32),
@@ -102,9 +99,9 @@ pub(super) struct Piece {
     pub(super) start: Ticks,
     /// When position and velocity hold.
     pub(super) anchor: Instant,
-    pub(super) position: i128,
-    pub(super) velocity: i128,
-    pub(super) half_acceleration: i128,
+    pub(super) position: PositionQ96,
+    pub(super) velocity: Q96,
+    pub(super) half_acceleration: Q96,
     pub(super) shape: Smooth<Shape>,
 }
 
@@ -115,11 +112,11 @@ impl Piece {
             return self;
         }
         Self {
-            position: self.position.wrapping_neg(),
-            velocity: self.velocity.wrapping_neg(),
-            half_acceleration: self.half_acceleration.wrapping_neg(),
+            position: -self.position,
+            velocity: -self.velocity,
+            half_acceleration: -self.half_acceleration,
             shape: Smooth::new(match *self.shape.get() {
-                Shape::Cubic(sixth_jerk) => Shape::Cubic(sixth_jerk.wrapping_neg()),
+                Shape::Cubic(sixth_jerk) => Shape::Cubic(-sixth_jerk),
                 Shape::Sine(time) => Shape::Sine(time),
             }),
             ..self
@@ -129,7 +126,7 @@ impl Piece {
     /// The same in the frame of the axis.
     pub(super) fn placed(self, frame: &Frame) -> Self {
         let mut placed = self.seen_from(frame);
-        placed.position = placed.position.wrapping_add(frame.origin);
+        placed.position = placed.position + frame.origin;
         placed
     }
 
@@ -138,17 +135,17 @@ impl Piece {
     }
 
     /// A sixth of its jerk, or of that at which a sin² ramp is left.
-    pub(super) fn sixth_jerk(&self) -> Uq128 {
+    pub(super) fn sixth_jerk(&self) -> Q128 {
         match *self.shape.get() {
-            Shape::Cubic(sixth_jerk) => sixth_jerk.unsigned_abs(),
+            Shape::Cubic(sixth_jerk) => sixth_jerk.abs(),
             Shape::Sine(time) if SIN_SQUARED => sine::jerk(self.half_acceleration, time),
-            Shape::Sine(_) => 0,
+            Shape::Sine(_) => Q128::ZERO,
         }
     }
 
     /// Whether its velocity is constant.
     pub(super) const fn is_line(&self) -> bool {
-        matches!(self.shape.get(), Shape::Cubic(0)) && self.half_acceleration == 0
+        matches!(self.shape.get(), Shape::Cubic(Q128::ZERO)) && self.half_acceleration.is_zero()
     }
 
     /// The next tick behind `t`, which lies within the piece, at which another of its phases begins, or `until`, at which it ends.
@@ -168,15 +165,15 @@ impl Piece {
             }
             Shape::Cubic(sixth_jerk) => (self.work_out_cubic(sixth_jerk, frame), until),
             // Not built in.
-            Shape::Sine(_) => (self.work_out_cubic(0, frame), until),
+            Shape::Sine(_) => (self.work_out_cubic(Q128::ZERO, frame), until),
         }
     }
 
     /// The position at a tick that lies within it.
-    pub(super) fn position_at(&self, tick: Ticks) -> i128 {
+    pub(super) fn position_at(&self, tick: Ticks) -> PositionQ96 {
         let frame = Frame {
             start: tick,
-            origin: 0,
+            origin: PositionQ96::ZERO,
             reverse: false,
         };
         let (phase, _) = self.work_out((tick, Ticks::MAX), &frame);
@@ -185,25 +182,26 @@ impl Piece {
 
     /// Brings the coefficients from the anchor down to the whole tick before it, by a part φ of a tick, and into the frame of the axis.
     #[inline(never)]
-    fn work_out_cubic(&self, sixth_jerk: i128, frame: &Frame) -> Phase {
+    fn work_out_cubic(&self, sixth_jerk: Q128, frame: &Frame) -> Phase {
         let fraction = self.anchor.fraction();
         // h − 3cφ, v − 2hφ + 3cφ² and x − vφ + hφ² − cφ³
         let half = self.half_acceleration;
-        let (first, second, third) = if sixth_jerk == 0 {
+        let (first, second, third) = if sixth_jerk.is_zero() {
             (half, half, half)
         } else {
             // Over hours the last bit of it shows. A lead is the same one in either frame.
-            let rise = whole(distance_at(sixth_jerk, fraction.into()));
-            (half - rise, half - 2 * rise, half - 3 * rise)
+            let rise = sixth_jerk.even_gain(TicksQ32::from_bits(fraction.0.into()));
+            let twice = rise.doubled();
+            (half - rise, half - twice, half - (twice + rise))
         };
-        let once = part(first, fraction);
-        let twice = if sixth_jerk == 0 {
+        let once = first.gain(fraction);
+        let twice = if sixth_jerk.is_zero() {
             once
         } else {
-            part(second, fraction)
+            second.gain(fraction)
         };
         let mean = self.velocity - once;
-        let position = self.position.wrapping_sub(part(mean, fraction));
+        let position = self.position - mean.distance(fraction);
         Phase::cubic(
             (self.start, self.anchor.tick()),
             frame.place(position),
@@ -213,42 +211,24 @@ impl Piece {
     }
 }
 
-/// ⌊value · fraction / 2³²⌋.
-#[inline]
-fn part(value: i128, fraction: u32) -> i128 {
-    let low = (u128::from(low::u64(value.cast_unsigned())) * u128::from(fraction)) >> 32;
-    let high = (i128::from((value >> 64) as i64) * i128::from(fraction)) << 32;
-    high + low.cast_signed()
-}
+/// A part of a tick, Q32.
+#[derive(Clone, Copy)]
+struct TickPart(u32);
 
-/// ⌊value · time⌋ modulo 2¹²⁸.
-#[inline(always)]
-pub(crate) fn over_time(value: u128, time: TicksQ32) -> u128 {
-    // Both in halves.
-    let low = (u128::from(low::u64(value)) * u128::from(low::u64(time))) >> 32;
-    let high = ((value >> 64) * u128::from(low::u64(time))) << 32;
-    let product = low.wrapping_add(high);
-    // Nearly all ramps take less than 2³² ticks, 25 s at 168 MHz.
-    if time >> 64 == 0 {
-        return product;
-    }
-    product.wrapping_add(value.wrapping_mul(time >> 64) << 32)
-}
-
-/// The same of a velocity in either direction.
-pub(super) fn distance_at(velocity: i128, time: TicksQ32) -> i128 {
-    let distance = over_time(velocity.unsigned_abs(), time).cast_signed();
-    if velocity < 0 {
-        distance.wrapping_neg()
-    } else {
-        distance
+impl Time for TickPart {
+    /// Rounded down.
+    #[inline]
+    fn times(self, value: i128) -> i128 {
+        let low = (u128::from(low::u64(value.cast_unsigned())) * u128::from(self.0)) >> 32;
+        let high = (i128::from((value >> 64) as i64) * i128::from(self.0)) << 32;
+        high + low.cast_signed()
     }
 }
 
 /// A constant acceleration. Made once for all ramps at it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Acceleration {
-    /// Half of it, Q96 steps per tick².
+    /// Half of it.
     pub(crate) half: Uq96,
     divisor: Divisor,
 }
@@ -259,7 +239,7 @@ impl Acceleration {
         let half = clock.half_acceleration(steps_per_second_squared);
         Self {
             half,
-            divisor: Divisor::new(half),
+            divisor: Divisor::new(half.bits()),
         }
     }
 
@@ -267,7 +247,7 @@ impl Acceleration {
     #[inline]
     pub(crate) fn time(&self, change: Uq96) -> TicksQ32 {
         // Speeds have at most 96 bits, so the shift loses nothing.
-        self.divisor.quotient(change << 31, 0)
+        TicksQ32::from_bits(self.divisor.quotient(change.bits() << 31, 0))
     }
 }
 
@@ -278,15 +258,15 @@ pub(crate) fn ramp_distance(
     half_acceleration: Uq96,
     time: TicksQ32,
     braking: bool,
-) -> u128 {
-    if time == 0 {
-        return 0;
+) -> DistanceQ96 {
+    if time.is_zero() {
+        return DistanceQ96::ZERO;
     }
-    let half_gain = over_time(half_acceleration, time);
+    let half_gain = half_acceleration.gain(time);
     let mean = if braking {
         speed.saturating_sub(half_gain)
     } else {
         speed + half_gain
     };
-    over_time(mean, time)
+    mean.distance(time)
 }

@@ -13,10 +13,11 @@
 //! acceleration is less than π/2 times that of the linear ramp. The position is off from the sin² by at most 0.076·n⁻⁴·Δv·T: n is
 //! chosen so that this is less than 0.01 steps, for ramps of up to 17 million steps; longer ones are off by 3·10⁻¹⁰ of Δv·T.
 
-use super::piece::{Instant, Piece, Shape, TicksQ32, distance_at, over_time};
+use super::piece::{Instant, Piece, Shape};
 use super::smooth::Smooth;
-use crate::clock::{Ticks, Uq96, Uq128};
+use crate::clock::Ticks;
 use crate::divide::{estimate, quotient};
+use crate::exact::{DistanceQ96, Q96, Q128, TicksQ32, Uq96, product_q32, with_sign};
 use crate::low;
 
 /// sin(π·k/128) for k from 0 to 64, Q64. One is the greatest fraction there is.
@@ -51,8 +52,32 @@ const BETWEEN: u64 = 9_224_066_592_104_769_579;
 
 const HALF: u64 = 1 << 63;
 
-/// Shorter ramps, Q32 ticks, are linear: the difference is below a step, and their jerk may be too large for its number.
-pub(super) const SHORTEST: TicksQ32 = 8 << 32;
+/// Shorter ramps are linear: the difference is below a step, and their jerk may be too large for its number.
+pub(super) const SHORTEST: TicksQ32 = TicksQ32::from_bits(8 << 32);
+
+/// Δv·T of a ramp, steps, with 64 bits behind the point: it may be more than a position has room for.
+#[derive(Clone, Copy)]
+struct Product(u128);
+
+impl Product {
+    fn of(change: Uq96, time: TicksQ32) -> Self {
+        let whole = change.bits().wrapping_mul(time.bits() >> 64);
+        Self(
+            share(change, low::u64(time.bits()))
+                .bits()
+                .wrapping_add(whole),
+        )
+    }
+
+    const fn steps(self) -> u128 {
+        self.0 >> 64
+    }
+
+    /// A part of it, Q64.
+    fn share(self, part: u64) -> DistanceQ96 {
+        DistanceQ96::from_bits(product_q32(self.0, part.into()))
+    }
+}
 
 /// How a ramp is divided, and what follows from that.
 struct Division {
@@ -123,9 +148,9 @@ impl Corner {
 }
 
 impl Division {
-    /// For this Δv·T, Q64 steps.
-    fn of(distance: u128) -> &'static Self {
-        let steps = u64::try_from(distance >> 64).unwrap_or(u64::MAX);
+    /// For this Δv·T.
+    fn of(distance: Product) -> &'static Self {
+        let steps = u64::try_from(distance.steps()).unwrap_or(u64::MAX);
         let [.., last] = &DIVISIONS;
         let mut divisions = DIVISIONS.iter();
         divisions.find(|one| steps < one.below).unwrap_or(last)
@@ -152,18 +177,15 @@ impl Division {
 
     /// When corner `number` is, from 0, the beginning, to the end.
     fn time(&self, number: u32, time: TicksQ32) -> TicksQ32 {
-        (time * TicksQ32::from(self.angle(number))) >> 8
+        TicksQ32::from_bits((time.bits() * u128::from(self.angle(number))) >> 8)
     }
 
     /// In which piece lies what is `away` from the beginning of a ramp that takes `time`; when that piece begins and ends.
     fn find(&self, away: TicksQ32, time: TicksQ32) -> (u32, TicksQ32, TicksQ32) {
         // The leading 24 bits give a number that is right or next to it.
-        let above = 104u32.saturating_sub(time.leading_zeros());
-        let (away_lead, lead) = (
-            low::u32(low::u64(away >> above)),
-            low::u32(low::u64(time >> above)),
-        );
-        let parts = (away_lead << (self.bits + 1)).checked_div(lead);
+        let above = 104u32.saturating_sub(time.bits().leading_zeros());
+        let leading = |time: TicksQ32| low::u32(low::u64(time.bits() >> above));
+        let parts = (leading(away) << (self.bits + 1)).checked_div(leading(time));
         let number = parts.unwrap_or(0).div_ceil(2).min(self.corners());
         let (begin, end) = (self.time(number, time), self.time(number + 1, time));
         if away < begin && number > 0 {
@@ -215,15 +237,15 @@ fn sine(k: u32) -> u64 {
     }
 }
 
-/// A sixth of the jerk, Q128 steps per tick³, at which a ramp of duration `time` is broken off. The jerk is 5.06·Δv/T², to some 30 bits;
+/// A sixth of the jerk at which a ramp of duration `time` is broken off. The jerk is 5.06·Δv/T², to some 30 bits;
 /// the ramp itself begins and ends with 4.97·Δv/T² at most. So the acceleration is at zero before the velocity passes the end of the
 /// ramp.
-pub(super) fn jerk(half_acceleration: i128, time: TicksQ32) -> Uq128 {
-    let (number, above) = leading((half_acceleration.unsigned_abs() * 27) >> 4);
-    let (divisor, below) = leading(time);
+pub(super) fn jerk(half_acceleration: Q96, time: TicksQ32) -> Q128 {
+    let (number, above) = leading((half_acceleration.amount().bits() * 27) >> 4);
+    let (divisor, below) = leading(time.bits());
     // Less than one, so a digit with 31 bits behind the point. A time has more than 32 bits, an acceleration less than 90.
-    let jerk = Uq128::from(estimate(u64::from(number) << 31, divisor)) << (above + 33);
-    (jerk >> below).max(1)
+    let jerk = u128::from(estimate(u64::from(number) << 31, divisor)) << (above + 33);
+    Q128::from_bits((jerk >> below).cast_signed()).max(Q128::LEAST)
 }
 
 /// The leading 32 bits, and the number of bits below them; a number of 32 bits or fewer as a whole.
@@ -234,51 +256,49 @@ fn leading(value: u128) -> (u32, u32) {
 }
 
 /// The same of the ramp that changes the velocity by `change` within these limits: 5.06·a²/Δv, with one division.
-pub(super) fn jerk_of(half_acceleration: Uq96, change: Uq96) -> Uq128 {
+pub(super) fn jerk_of(half_acceleration: Uq96, change: Uq96) -> Q128 {
+    let half_acceleration = half_acceleration.bits();
     // 32 bits of it are plenty.
     let (lead, below) = leading(half_acceleration);
     let exact = quotient(
         (u128::from(lead) * u128::from(lead) * 27) >> 3,
         1,
-        change.max(1),
+        change.bits().max(1),
     );
     // No ramp is shorter than that.
     let most = (half_acceleration * 27) << 25;
-    exact
+    let jerk = exact
         .checked_shl(2 * below)
         .filter(|jerk| jerk >> (2 * below) == exact)
-        .map_or(most, |jerk| jerk.min(most))
-        .max(1)
+        .map_or(most, |jerk| jerk.min(most));
+    Q128::from_bits(jerk.cast_signed()).max(Q128::LEAST)
 }
 
 /// The cubic piece at tick `t` of a sin² ramp that takes `time`, at least [`SHORTEST`]; with a sixth of its jerk, and the first tick behind
 /// it. `ramp` is anchored at either end of the sin² ramp, and has half of the acceleration of the linear ramp in its place.
 #[inline(never)]
-pub(super) fn piece(ramp: &Piece, time: TicksQ32, t: Ticks) -> (Piece, i128, Ticks) {
-    let half = ramp.half_acceleration;
-    let change = over_time(half.unsigned_abs() << 1, time);
-    let distance = share(change, low::u64(time)).wrapping_add(change.wrapping_mul(time >> 64));
+pub(super) fn piece(ramp: &Piece, time: TicksQ32, t: Ticks) -> (Piece, Q128, Ticks) {
+    let full = ramp.half_acceleration.amount().doubled();
+    let change = full.gain(time);
+    let distance = Product::of(change, time);
     let division = Division::of(distance);
     let here = Instant::from(t);
     let is_back = here < ramp.anchor;
     let away = here.apart(ramp.anchor).min(time);
     let (number, begin, end) = division.find(away, time);
     let (corner, next) = (division.corner(number), division.acceleration(number + 1));
-    let falls = half < 0;
+    let falls = ramp.half_acceleration < Q96::ZERO;
     // Seen from the anchor: how far it is to the corner.
-    let covered = distance_at(ramp.velocity, begin).wrapping_add(with_sign(
-        over_time(distance, corner.distance.into()),
-        falls,
-    ));
-    let gained = with_sign(share(change, corner.velocity), falls);
-    let full = half.unsigned_abs() << 1;
-    let acceleration = share(full, corner.acceleration);
+    let by_ramp = distance.share(corner.distance).forwards();
+    let covered = ramp.velocity.distance(begin) + with_sign(by_ramp, falls);
+    let gained = share(change, corner.velocity).forwards();
+    let half_acceleration = share(full, corner.acceleration).forwards();
     // The sixth of a jerk is the change of half of the acceleration by three times the time.
     let rises = next > corner.acceleration;
-    let rise = share(full, next.abs_diff(corner.acceleration));
+    let rise = share(full, next.abs_diff(corner.acceleration)).bits();
     let places = division.place(number + 1) - division.place(number);
-    let sixth_jerk = quotient(rise << (division.bits + 2 - places), 2, 3 * time);
-    let sixth_jerk = with_sign(sixth_jerk, falls == rises);
+    let sixth_jerk = quotient(rise << (division.bits + 2 - places), 2, 3 * time.bits());
+    let sixth_jerk = with_sign(Q128::from_bits(sixth_jerk.cast_signed()), falls == rises);
     let (anchor, start, until) = if is_back {
         let anchor = ramp.anchor.before(begin);
         (anchor, ramp.anchor.before(end), anchor)
@@ -290,32 +310,20 @@ pub(super) fn piece(ramp: &Piece, time: TicksQ32, t: Ticks) -> (Piece, i128, Tic
         // Rounded times do not move t out of its piece.
         start: start.tick_up().clamp(ramp.start.min(t), t),
         anchor,
-        position: ramp.position.wrapping_add(if is_back {
-            covered.wrapping_neg()
-        } else {
-            covered
-        }),
-        velocity: ramp.velocity + gained,
-        half_acceleration: with_sign(acceleration, falls != is_back),
+        position: ramp.position + with_sign(covered, is_back),
+        velocity: ramp.velocity + with_sign(gained, falls),
+        half_acceleration: with_sign(half_acceleration, falls != is_back),
         shape: Smooth::new(Shape::Cubic(sixth_jerk)),
     };
     (piece, sixth_jerk, until.tick_up().max(t + 1))
 }
 
-/// ⌊number · factor / 2⁶⁴⌋ modulo 2¹²⁸.
+/// ⌊number · factor / 2⁶⁴⌋.
 #[inline(never)]
-fn share(number: u128, factor: u64) -> u128 {
-    let low = (u128::from(low::u64(number)) * u128::from(factor)) >> 64;
-    ((number >> 64) * u128::from(factor)).wrapping_add(low)
-}
-
-fn with_sign(magnitude: u128, negative: bool) -> i128 {
-    let value = magnitude.cast_signed();
-    if negative {
-        value.wrapping_neg()
-    } else {
-        value
-    }
+fn share(number: Uq96, factor: u64) -> Uq96 {
+    let factor = u128::from(factor);
+    let low = (u128::from(low::u64(number.bits())) * factor) >> 64;
+    Uq96::from_bits((number.bits() >> 64) * factor + low)
 }
 
 /// The product of two fractions.
@@ -326,6 +334,7 @@ fn times(a: u64, b: u64) -> u64 {
 #[cfg(all(test, feature = "sin-squared"))]
 mod tests {
     use super::{Corner, DIVISIONS, SINES, piece, sine, times};
+    use crate::exact::{PositionQ96, Q96, TicksQ32};
     use crate::plan::piece::{Instant, Piece, Shape};
     use crate::plan::smooth::Smooth;
     use core::f64::consts::PI;
@@ -410,18 +419,19 @@ mod tests {
                 return Ok(());
             }
             let half = ((u128::from(speed) << 63) / u128::from(time) / 2).cast_signed();
+            let whole_time = TicksQ32::from_bits(u128::from(time) << 32);
             let anchor = 1 << 40;
             let ramp = Piece {
                 start: if is_back { anchor - time } else { anchor },
                 anchor: Instant::from(anchor),
-                position: 0,
-                velocity: 0,
-                half_acceleration: half,
-                shape: Smooth::new(Shape::Sine(u128::from(time) << 32)),
+                position: PositionQ96::ZERO,
+                velocity: Q96::ZERO,
+                half_acceleration: Q96::from_bits(half),
+                shape: Smooth::new(Shape::Sine(whole_time)),
             };
             let away = ((u128::from(time) * u128::from(part)) >> 32) as u64;
             let t = if is_back { anchor - away.max(1) } else { anchor + away };
-            let (piece, _, until) = piece(&ramp, u128::from(time) << 32, t);
+            let (piece, _, until) = piece(&ramp, whole_time, t);
             prop_assert!(piece.start <= t && t < until);
             let s = t.abs_diff(anchor) as f64 / ticks;
             let sign = if is_back { -1.0 } else { 1.0 };
@@ -437,7 +447,7 @@ mod tests {
     /// Position and velocity of a piece.
     fn float_at(piece: &Piece, t: u64) -> (f64, f64) {
         let unit = 2f64.powi(-96);
-        let n = Instant::from(t).apart(piece.anchor) as f64 / 2f64.powi(32);
+        let n = Instant::from(t).apart(piece.anchor).bits() as f64 / 2f64.powi(32);
         let n = if Instant::from(t) < piece.anchor {
             -n
         } else {
@@ -446,12 +456,12 @@ mod tests {
         let Shape::Cubic(sixth) = *piece.shape.get() else {
             unreachable!()
         };
-        let sixth = sixth as f64 * 2f64.powi(-128);
+        let sixth = sixth.bits() as f64 * 2f64.powi(-128);
         let (v, half) = (
-            piece.velocity as f64 * unit,
-            piece.half_acceleration as f64 * unit,
+            piece.velocity.bits() as f64 * unit,
+            piece.half_acceleration.bits() as f64 * unit,
         );
-        let position = piece.position as f64 * unit + n * (v + n * (half + n * sixth));
+        let position = piece.position.bits() as f64 * unit + n * (v + n * (half + n * sixth));
         (position, v + n * (2.0 * half + 3.0 * n * sixth))
     }
 }

@@ -1,8 +1,9 @@
 //! What plans keep for smooth ramps alone. Where none are built in, it takes neither memory nor code.
 
+use super::Order;
 use super::goal::SIN_SQUARED;
 use super::piece::{Piece, Shape};
-use super::{Order, Uq128};
+use crate::exact::{Q96, Q128};
 
 /// Whether ramps other than linear ones are built in. The moving average is one of linear ramps.
 pub(crate) const SMOOTH: bool = SIN_SQUARED || cfg!(feature = "limited-jerk");
@@ -16,16 +17,16 @@ impl OfLinear for bool {
     const OF_LINEAR: &'static Self = &false;
 }
 
-impl OfLinear for i128 {
-    const OF_LINEAR: &'static Self = &0;
+impl OfLinear for Q96 {
+    const OF_LINEAR: &'static Self = &Self::ZERO;
 }
 
-impl OfLinear for Uq128 {
-    const OF_LINEAR: &'static Self = &0;
+impl OfLinear for Q128 {
+    const OF_LINEAR: &'static Self = &Self::ZERO;
 }
 
 impl OfLinear for Shape {
-    const OF_LINEAR: &'static Self = &Self::Cubic(0);
+    const OF_LINEAR: &'static Self = &Self::Cubic(Q128::ZERO);
 }
 
 impl OfLinear for Option<Order> {

@@ -5,6 +5,7 @@ use super::builder::{Origin, PlanBuilder};
 use super::goal::{Limits, PlanError};
 use super::piece::{Acceleration, ramp_distance};
 use crate::clock::Clock;
+use crate::exact::{Q96, Uq96};
 use crate::speed::{SignedSpeed, Speed};
 
 /// Plans the ramp in a frame in which the velocity to reach is positive; for a stop, the one to leave.
@@ -23,11 +24,11 @@ pub(super) fn plan(
     let deceleration = Acceleration::new(clock, limits.deceleration);
     let half_deceleration = deceleration.half;
     let from = origin.from;
-    let speed = from.velocity.unsigned_abs();
+    let speed = from.velocity.amount();
 
     if velocity == SignedSpeed::ZERO {
-        let mut builder = PlanBuilder::new(plan, origin, from.velocity < 0);
-        if speed != 0 {
+        let mut builder = PlanBuilder::new(plan, origin, from.velocity < Q96::ZERO);
+        if !speed.is_zero() {
             builder.brake(speed, half_deceleration, deceleration.time(speed));
         }
         let stop = builder.travelled;
@@ -44,11 +45,11 @@ pub(super) fn plan(
     let reverse = velocity.bits() < 0;
     let mut builder = PlanBuilder::new(plan, origin, reverse);
     let mut speed = speed;
-    if speed != 0 && (from.velocity < 0) != reverse {
+    if !speed.is_zero() && (from.velocity < Q96::ZERO) != reverse {
         let time = deceleration.time(speed);
         let distance = ramp_distance(speed, half_deceleration, time, true);
         builder.brake_to_standstill(speed, half_deceleration, time, distance);
-        speed = 0;
+        speed = Uq96::ZERO;
     }
     if speed > goal {
         builder.brake(speed, half_deceleration, deceleration.time(speed - goal));

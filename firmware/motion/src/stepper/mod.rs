@@ -13,6 +13,7 @@ mod train;
 
 use crate::clock::Ticks;
 use crate::divide::div_rem;
+use crate::exact::Q96;
 use crate::fixed::{Exact, State, Velocity};
 use crate::low;
 use crate::record::{Direction, DriverTiming, Record};
@@ -191,7 +192,7 @@ impl Stepper {
     pub(crate) const fn state(&self) -> State {
         State {
             position: self.polynomial.exact().floor(),
-            velocity: Velocity::from_bits(low::i64(self.polynomial.velocity.0 >> 40)),
+            velocity: Velocity::from_bits(low::i64(self.polynomial.velocity.bits() >> 40)),
         }
     }
 
@@ -224,7 +225,7 @@ impl Stepper {
             return;
         }
         // −1 if it goes backwards.
-        let mask = (self.polynomial.velocity.0 >> 127) as i64;
+        let mask = (self.polynomial.velocity.bits() >> 127) as i64;
         let beyond = self.beyond(self.polynomial.position.floor(), mask);
         let Some(count) = crossed(beyond) else {
             return;
@@ -338,13 +339,14 @@ impl Stepper {
 
     /// Whether the speed grows where the polynomial has come to.
     fn is_speeding_up(&self) -> bool {
-        (self.polynomial.half.0 ^ self.polynomial.velocity.0) >= 0
+        (self.polynomial.half < Q96::ZERO) == (self.polynomial.velocity < Q96::ZERO)
     }
 
     /// How many ticks ago the last of the steps due was crossed, where it is so slow that a tick is less than 2⁻³² steps.
     fn since_crossing(&self, count: u32) -> Option<u32> {
         let exact = self.polynomial.exact();
-        if count != 1 || exact.velocity == 0 || !exact.rounded().velocity.is_below_resolution() {
+        if count != 1 || exact.velocity.is_zero() || !exact.rounded().velocity.is_below_resolution()
+        {
             return None;
         }
         let step = self.train.steps.wrapping_add(self.due(exact));

@@ -84,7 +84,7 @@ fn a_target_is_as_far_as_its_number_says_where_the_plan_has_wrapped() {
                 };
                 let planned = axis.plan.exact_at(junction).position;
                 let committed = axis.committed_position();
-                if (planned < 0) != (committed < 0) {
+                if (planned.steps() < 0) != (committed < 0) {
                     apart += 1;
                     for distance in [2 * distance, 50, -50] {
                         let mut axis = axis.clone();

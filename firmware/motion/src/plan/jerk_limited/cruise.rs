@@ -8,6 +8,7 @@
 use super::Rules;
 use super::ramp::{Limit, Motion, RoughLimit, VirtualStart, steady_distance};
 use super::rough::{Kind, Rough};
+use crate::exact::{DistanceQ96, Q96, Uq96};
 
 /// The most iterations: of the search in rough numbers, which takes some four; of Newton's method with exact ones, which takes one,
 /// before the bounds are halved instead; and of both with exact ones.
@@ -46,6 +47,9 @@ const LONG: Rough = Rough::power(30);
 /// Distances of 2³¹ steps and more saturate. From here on, a few steps below that, a distance counts as saturated.
 const LONGEST: i128 = i128::MAX - (1 << 100);
 
+/// What does not fit into any distance.
+const TOO_FAR: DistanceQ96 = DistanceQ96::from_bits(u128::MAX);
+
 /// A ramp in rough numbers.
 struct Side {
     /// The change of velocity, and the mean velocity, with the lowest possible cruise velocity.
@@ -55,13 +59,17 @@ struct Side {
 }
 
 impl Side {
-    fn new(velocity: i128, least: i128, limit: &Limit) -> Self {
-        let gain = least.wrapping_sub(velocity).unsigned_abs();
-        let sum = least.wrapping_add(velocity);
-        let mean = Rough::of(sum.unsigned_abs(), Kind::Velocity).halved();
+    fn new(velocity: Q96, least: Q96, limit: &Limit) -> Self {
+        let gain = (least - velocity).amount();
+        let sum = least + velocity;
+        let mean = speed(sum).halved();
         Self {
-            gain: Rough::of(gain, Kind::Velocity),
-            mean: if sum < 0 { mean.negated() } else { mean },
+            gain: Rough::of(gain.bits(), Kind::Velocity),
+            mean: if sum < Q96::ZERO {
+                mean.negated()
+            } else {
+                mean
+            },
             limit: limit.rough,
         }
     }
@@ -96,10 +104,10 @@ struct Moves<'a> {
     rules: &'a Rules<'a>,
     virtual_start: &'a VirtualStart,
     limit: &'a Limit,
-    end: i128,
-    distance: u128,
+    end: Q96,
+    distance: DistanceQ96,
     /// The lowest cruise that comes into question.
-    least: i128,
+    least: Q96,
     jerk: Rough,
     is_from_rest: bool,
     first: Side,
@@ -128,24 +136,25 @@ impl<'a> Moves<'a> {
     fn new(
         rules: &'a Rules<'a>,
         virtual_start: &'a VirtualStart,
-        end: i128,
-        distance: u128,
-        least: i128,
+        end: Q96,
+        distance: DistanceQ96,
+        least: Q96,
     ) -> Self {
         let limit = if virtual_start.falls {
             rules.deceleration
         } else {
             rules.acceleration
         };
-        let ahead = virtual_start.ahead.unsigned_abs();
-        let goal = if virtual_start.ahead < 0 {
-            distance.saturating_add(ahead)
+        let ahead = virtual_start.ahead.bits();
+        let amount = ahead.unsigned_abs();
+        let goal = if ahead < 0 {
+            distance.bits().saturating_add(amount)
         } else {
-            distance.saturating_sub(ahead)
+            distance.bits().saturating_sub(amount)
         };
         let goal = Rough::of(goal, Kind::Distance);
-        let sure = if virtual_start.ahead > 0 {
-            Rough::of(distance, Kind::Distance).max(goal)
+        let sure = if ahead > 0 {
+            Rough::of(distance.bits(), Kind::Distance).max(goal)
         } else {
             goal
         };
@@ -157,7 +166,7 @@ impl<'a> Moves<'a> {
             distance,
             least,
             jerk: rules.jerk.rough,
-            is_from_rest: virtual_start.velocity == 0 && end == 0 && least == 0,
+            is_from_rest: virtual_start.velocity.is_zero() && end.is_zero() && least.is_zero(),
             first: Side::new(virtual_start.velocity, least, limit),
             last: Side::new(end, least, rules.deceleration),
             goal,
@@ -171,25 +180,26 @@ impl<'a> Moves<'a> {
 
     /// How far both ramps go with a velocity between them, exactly but for roundings. A ramp whose distance saturates fits into no distance: the
     /// velocity is then the greatest with ramps below 2³¹ steps.
-    fn span(&self, cruise: i128) -> u128 {
+    fn span(&self, cruise: Q96) -> DistanceQ96 {
         let jerk = self.rules.jerk;
-        let first = steady_distance(self.virtual_start.velocity, cruise, self.limit, jerk);
+        let first = steady_distance(self.virtual_start.velocity, cruise, self.limit, jerk).bits();
         let is_alike = self.virtual_start.velocity == self.end
             && self.limit.most == self.rules.deceleration.most;
         let last = if is_alike {
             first
         } else {
-            steady_distance(cruise, self.end, self.rules.deceleration, jerk)
+            steady_distance(cruise, self.end, self.rules.deceleration, jerk).bits()
         };
         let steady = first.max(last);
-        let first = first.saturating_add(self.virtual_start.ahead);
+        let first = first.saturating_add(self.virtual_start.ahead.bits());
         if steady.max(first) >= LONGEST {
-            return u128::MAX;
+            return TOO_FAR;
         }
-        if first < 0 {
-            return last.saturating_add(first).max(0).unsigned_abs();
-        }
-        last.unsigned_abs().wrapping_add(first.unsigned_abs())
+        DistanceQ96::from_bits(if first < 0 {
+            last.saturating_add(first).max(0).unsigned_abs()
+        } else {
+            last.unsigned_abs() + first.unsigned_abs()
+        })
     }
 
     /// With a cruise that is faster than the lowest by `more`.
@@ -217,7 +227,7 @@ impl<'a> Moves<'a> {
     }
 
     /// Whether both ramps fit into the distance.
-    fn fit(&self, cruise: i128, probe: Probe) -> bool {
+    fn fit(&self, cruise: Q96, probe: Probe) -> bool {
         let span = probe.span;
         if span.distance(self.goal) > self.error_bound && self.goal > Rough::ZERO {
             if span > self.goal {
@@ -276,7 +286,7 @@ impl<'a> Moves<'a> {
     }
 
     /// The greatest velocity for which they fit, rounded down. They do at the lowest, and do not at `high`.
-    fn greatest(&self, low: Probe, high: i128, range: Rough, top: Probe) -> i128 {
+    fn greatest(&self, low: Probe, high: Q96, range: Rough, top: Probe) -> Q96 {
         let (goal, mut below, mut above) = (self.goal, Rough::ZERO, range);
         let guess = if self.is_from_rest {
             self.guess_from_rest()
@@ -317,37 +327,37 @@ impl<'a> Moves<'a> {
     }
 
     /// Refines a good first guess to the last bits.
-    fn refine(&self, mut high: i128, more: Rough, slope: Rough) -> i128 {
+    fn refine(&self, mut high: Q96, more: Rough, slope: Rough) -> Q96 {
         let mut low = self.least;
-        let mut cruise = low.saturating_add(exact(more)).min(high);
+        let mut cruise = (low + exact(more)).min(high);
         for tried in 0..MOST_HALVINGS {
             let span = self.span(cruise);
             let mut off = span.abs_diff(self.distance);
             let is_short = span <= self.distance;
             if is_short {
                 low = cruise;
-                if off <= cruise.unsigned_abs() >> 2 {
+                if off.bits() <= cruise.bits().unsigned_abs() >> 2 {
                     break;
                 }
             } else {
                 high = cruise;
-                if span == u128::MAX {
+                if span == TOO_FAR {
                     // How much too long is not known: a step that is too large to be the last, and more than rough numbers miss.
-                    off = off.max(self.distance >> 8);
+                    off = off.max(DistanceQ96::from_bits(self.distance.bits() >> 8));
                 }
             }
-            let is_enough = tried >= MOST_EXACT && (low > 0 || !self.is_from_rest);
-            if is_enough || high.wrapping_sub(low) <= 1 << 8 {
+            let is_enough = tried >= MOST_EXACT && (low > Q96::ZERO || !self.is_from_rest);
+            if is_enough || (high - low).bits() <= 1 << 8 {
                 break;
             }
-            let off = Rough::of(off, Kind::Distance);
-            let speed = Rough::of(cruise.unsigned_abs(), Kind::Velocity);
+            let off = Rough::of(off.bits(), Kind::Distance);
+            let speed = speed(cruise);
             let spare = off.times(STEP_MARGIN).plus(speed.times(TIME_MARGIN));
             let next = if is_short {
                 let step = off.minus(spare).max(Rough::ZERO).over(slope);
-                cruise.saturating_add(exact(step))
+                cruise + exact(step)
             } else {
-                cruise.saturating_sub(exact(off.plus(spare).over(slope)))
+                cruise - exact(off.plus(spare).over(slope))
             };
             let is_within = slope > Rough::ZERO && tried < MOST_NEWTON && low < next && next < high;
             let is_last = off <= slope.times(more).times(SMALL_STEP)
@@ -355,15 +365,24 @@ impl<'a> Moves<'a> {
             if is_within && is_last {
                 return next;
             }
-            cruise = if is_within { next } else { low.midpoint(high) };
+            cruise = if is_within {
+                next
+            } else {
+                (low + high).halved()
+            };
         }
         low
     }
 }
 
-/// A rough velocity in Q96.
-fn exact(velocity: Rough) -> i128 {
-    i128::try_from(velocity.fixed(Kind::Velocity)).unwrap_or(i128::MAX)
+/// The exact velocity, cut to 2³⁰ steps per tick, far beyond all that are looked for.
+fn exact(velocity: Rough) -> Q96 {
+    Uq96::from_bits(velocity.fixed(Kind::Velocity).min(1 << 126)).forwards()
+}
+
+/// The amount of a velocity.
+fn speed(velocity: Q96) -> Rough {
+    Rough::of(velocity.amount().bits(), Kind::Velocity)
 }
 
 impl Rules<'_> {
@@ -372,10 +391,10 @@ impl Rules<'_> {
     pub(super) fn fastest(
         &self,
         from: &Motion,
-        end: i128,
-        distance: u128,
+        end: Q96,
+        distance: DistanceQ96,
         virtual_start: &mut VirtualStart,
-    ) -> Option<i128> {
+    ) -> Option<Q96> {
         let coasting = from.coasting();
         let mut most = self.top;
         if coasting <= self.top {
@@ -383,14 +402,14 @@ impl Rules<'_> {
             let least = coasting.max(end);
             let cruise = self.chosen(virtual_start, end, distance, (least, self.top), true);
             if cruise.is_some() || least == end {
-                return cruise.filter(|cruise| *cruise > 0);
+                return cruise.filter(|cruise| *cruise > Q96::ZERO);
             }
             most = least;
         }
         virtual_start.renew(from, true, self.deceleration);
         let is_top = most == self.top;
         let cruise = self.chosen(virtual_start, end, distance, (end, most), is_top);
-        cruise.filter(|cruise| *cruise > 0)
+        cruise.filter(|cruise| *cruise > Q96::ZERO)
     }
 
     /// The same with one virtual start, between a velocity and another, which may fit only if it is the greatest there is.
@@ -398,23 +417,22 @@ impl Rules<'_> {
     fn chosen(
         &self,
         virtual_start: &VirtualStart,
-        end: i128,
-        distance: u128,
-        (least, most): (i128, i128),
+        end: Q96,
+        distance: DistanceQ96,
+        (least, most): (Q96, Q96),
         is_top: bool,
-    ) -> Option<i128> {
+    ) -> Option<Q96> {
         if virtual_start.is_far {
             return None;
         }
         let moves = Moves::new(self, virtual_start, end, distance, least);
-        let range = most.wrapping_sub(least).unsigned_abs();
-        let range = Rough::of(range, Kind::Velocity);
+        let range = speed(most - least);
         let high = moves.probe(range);
         if is_top && moves.fit(most, high) {
             return Some(most);
         }
         // Without a cruise there are no ramps.
-        if moves.is_from_rest && virtual_start.ahead == 0 {
+        if moves.is_from_rest && virtual_start.ahead.is_zero() {
             return Some(moves.greatest(Probe::NOTHING, most, range, high));
         }
         let low = moves.probe(Rough::ZERO);

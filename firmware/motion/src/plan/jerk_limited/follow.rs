@@ -7,9 +7,10 @@ use super::Rules;
 use super::number::Number;
 use super::ramp::{Motion, Ramp, VirtualStart, third};
 use super::rough::Kind;
+use crate::exact::{DistanceQ96, PositionQ96, Q96, TicksQ32, with_sign};
 use crate::plan::PlanError;
 use crate::plan::builder::PlanBuilder;
-use crate::plan::piece::{Piece, Shape, distance_at, over_time};
+use crate::plan::piece::{Piece, Shape};
 use crate::plan::smooth::Smooth;
 
 impl PlanBuilder<'_> {
@@ -17,13 +18,13 @@ impl PlanBuilder<'_> {
     /// about behind the target. Velocity zero never covers a distance: the lowest has to do then.
     pub(super) fn move_from_rest(
         self,
-        (distance, end, goal): (u128, i128, i128),
+        (distance, end, goal): (DistanceQ96, Q96, PositionQ96),
         rules: &Rules<'_>,
     ) -> Result<(), PlanError> {
-        let mut virtual_start = VirtualStart::steady(0, false);
+        let mut virtual_start = VirtualStart::steady(Q96::ZERO, false);
         let cruise = rules.fastest(&Motion::REST, end, distance, &mut virtual_start);
-        if cruise.is_some() || end == 0 {
-            let cruise = cruise.unwrap_or(1);
+        if cruise.is_some() || end.is_zero() {
+            let cruise = cruise.unwrap_or(Q96::LEAST);
             self.append_move(
                 (&Motion::REST, &virtual_start),
                 cruise,
@@ -39,19 +40,19 @@ impl PlanBuilder<'_> {
     pub(super) fn ramp_to(
         mut self,
         from: &Motion,
-        end: i128,
+        end: Q96,
         rules: &Rules<'_>,
     ) -> Result<(), PlanError> {
         self.append_ramp(&rules.ramp(from, end));
-        self.keep(end.unsigned_abs())
+        self.keep(end.amount())
     }
 
     /// Follows a ramp to the velocity `cruise`, and another one to `end`, over `distance`, to `goal` in the frame.
     pub(super) fn append_move(
         mut self,
         (from, virtual_start): (&Motion, &VirtualStart),
-        cruise: i128,
-        (distance, end, goal): (u128, i128, i128),
+        cruise: Q96,
+        (distance, end, goal): (DistanceQ96, Q96, PositionQ96),
         rules: &Rules<'_>,
     ) -> Result<(), PlanError> {
         let limit = if virtual_start.falls {
@@ -62,37 +63,36 @@ impl PlanBuilder<'_> {
         let (mut first, mut last) = (Ramp::NONE, Ramp::NONE);
         first.become_of((from, virtual_start), cruise, limit, rules.jerk);
         last.become_steady((cruise, true), end, rules.deceleration, rules.jerk);
-        let ramps = first.distance.wrapping_add(last.distance).cast_unsigned();
-        let left = distance.wrapping_sub(ramps);
+        let ramps = (first.distance + last.distance).bits().cast_unsigned();
+        let left = distance.bits().wrapping_sub(ramps);
         // The ramps may be longer than the distance by what is rounded; two of 2³¹ steps are.
-        let is_longer = left > distance || first.distance & last.distance < 0;
+        let is_longer = left > distance.bits() || first.distance.bits() & last.distance.bits() < 0;
         let left = if is_longer { 0 } else { left };
-        let speed = Number::of(cruise, Kind::Velocity);
+        let speed = Number::of(cruise.bits(), Kind::Velocity);
         let time = Number::of((left >> 1).cast_signed(), Kind::Distance)
             .times(speed.reciprocal())
             .doubled()
             .fixed(Kind::Time)
-            .max(0)
-            .cast_unsigned();
+            .max(0);
+        let time = TicksQ32::from_bits(time.cast_unsigned());
         self.append_ramp(&first);
-        self.cruise(cruise.unsigned_abs(), time, left);
+        self.cruise(cruise.amount(), time, DistanceQ96::from_bits(left));
         self.append_ramp_ending_at(&last, goal);
-        if end == 0 {
+        if end.is_zero() {
             self.rest_at(goal)
         } else {
-            self.keep(end.unsigned_abs())
+            self.keep(end.amount())
         }
     }
 
     /// Follows a ramp from here.
     pub(super) fn append_ramp(&mut self, ramp: &Ramp) {
-        self.append_ramp_ending_at(ramp, self.travelled.wrapping_add(ramp.distance));
+        self.append_ramp_ending_at(ramp, self.travelled + ramp.distance);
     }
 
     /// Follows a ramp so that it ends exactly at `target`, in the frame.
-    pub(super) fn append_ramp_ending_at(&mut self, ramp: &Ramp, target: i128) {
-        let turned = |value: i128| if ramp.falls { -value } else { value };
-        let jerk = turned(ramp.sixth_jerk);
+    pub(super) fn append_ramp_ending_at(&mut self, ramp: &Ramp, target: PositionQ96) {
+        let jerk = with_sign(ramp.sixth_jerk, ramp.falls);
         let begin = self.now();
         let held = begin.after(ramp.entry).after(ramp.hold);
         self.mark_ramp();
@@ -101,18 +101,18 @@ impl PlanBuilder<'_> {
             anchor: begin,
             position: self.travelled,
             velocity: ramp.velocity,
-            half_acceleration: ramp.acceleration >> 1,
-            shape: Smooth::new(Shape::Cubic(if ramp.is_easing { -jerk } else { jerk })),
+            half_acceleration: ramp.acceleration.halved(),
+            shape: Smooth::new(Shape::Cubic(with_sign(jerk, ramp.is_easing))),
         };
         self.add(entry, ramp.entry);
         // It ends with the state in which the last one begins: v − a·t/2 and x − v·t + a·t²/6.
-        let gain = over_time(ramp.most.cast_unsigned(), ramp.exit) >> 1;
-        let mean = ramp.end - turned(third(gain).cast_signed());
+        let gain = ramp.most.amount().gain(ramp.exit).halved();
+        let mean = ramp.end - with_sign(third(gain).forwards(), ramp.falls);
         let hold = Piece {
             anchor: held,
-            position: target.wrapping_sub(distance_at(mean, ramp.exit)),
-            velocity: ramp.end - turned(gain.cast_signed()),
-            half_acceleration: turned(ramp.most) >> 1,
+            position: target - mean.distance(ramp.exit),
+            velocity: ramp.end - with_sign(gain.forwards(), ramp.falls),
+            half_acceleration: with_sign(ramp.most, ramp.falls).halved(),
             shape: Smooth::NONE,
             ..entry
         };
@@ -121,7 +121,7 @@ impl PlanBuilder<'_> {
             anchor: held.after(ramp.exit),
             position: target,
             velocity: ramp.end,
-            half_acceleration: 0,
+            half_acceleration: Q96::ZERO,
             shape: Smooth::new(Shape::Cubic(-jerk)),
             ..entry
         };

@@ -20,9 +20,9 @@ mod rough;
 
 use super::builder::{Origin, PlanBuilder};
 use super::move_to::distance_to;
-use super::piece::TicksQ32;
 use super::{Goal, InitialState, Limits, Plan, PlanError};
-use crate::clock::{Clock, TOP_SIXTH_JERK, Uq128};
+use crate::clock::{Clock, TOP_SIXTH_JERK};
+use crate::exact::{DistanceQ96, PositionQ96, Q96, Q128, TicksQ32, with_sign};
 use crate::speed::{SignedSpeed, Speed};
 use number::Number;
 use ramp::{Jerk, Limit, Motion, Ramp, RoughLimit, VirtualStart, stopping_distance};
@@ -31,7 +31,7 @@ use rough::{Kind, Rough};
 /// The limits of the motion, all per tick.
 #[derive(Debug)]
 struct Rules<'a> {
-    top: i128,
+    top: Q96,
     acceleration: &'a Limit,
     deceleration: &'a Limit,
     jerk: &'a Jerk,
@@ -39,9 +39,9 @@ struct Rules<'a> {
 
 impl Rules<'_> {
     /// From a velocity that is not negative to another one.
-    fn ramp(&self, from: &Motion, end: i128) -> Ramp {
+    fn ramp(&self, from: &Motion, end: Q96) -> Ramp {
         let falls = end < from.coasting();
-        let limit = if falls || end == 0 {
+        let limit = if falls || end.is_zero() {
             self.deceleration
         } else {
             self.acceleration
@@ -57,9 +57,9 @@ impl Rules<'_> {
 fn stopping(from: &Motion, limit: &Limit, jerk: &Jerk) -> Ramp {
     let mut ramp = Ramp::NONE;
     if !from.is_rest() {
-        let falls = from.coasting() > 0;
+        let falls = from.coasting() > Q96::ZERO;
         let virtual_start = VirtualStart::new(from, falls, limit);
-        ramp.become_of((from, &virtual_start), 0, limit, jerk);
+        ramp.become_of((from, &virtual_start), Q96::ZERO, limit, jerk);
     }
     ramp
 }
@@ -71,7 +71,7 @@ pub(super) fn plan(
     start: &InitialState,
     goal: Goal,
     limits: Limits,
-    sixth_jerk: Uq128,
+    sixth_jerk: Q128,
 ) -> Result<(), PlanError> {
     let is_stop = goal == Goal::Velocity(SignedSpeed::ZERO);
     if limits.velocity == Speed::ZERO && !is_stop {
@@ -88,13 +88,13 @@ pub(super) fn plan(
         return stop(plan, start, &limit(clock, limits.deceleration, jerk), jerk);
     }
     with_rules(clock, limits, jerk, |rules| {
-        let speed = |velocity: Speed| clock.speed(velocity.min(limits.velocity)).cast_signed();
+        let speed = |velocity: Speed| clock.speed(velocity.min(limits.velocity)).forwards();
         match goal {
             Goal::Velocity(velocity) => {
                 let end = speed(velocity.unsigned_abs());
                 keep(plan, start, velocity.bits() < 0, end, rules)
             }
-            Goal::Rest(target) => reach(plan, start, (target, 0), rules),
+            Goal::Rest(target) => reach(plan, start, (target, Q96::ZERO), rules),
             Goal::Pass(target, velocity) => reach(plan, start, (target, speed(velocity)), rules),
         }
     })
@@ -102,7 +102,7 @@ pub(super) fn plan(
 
 #[inline(always)]
 fn limit(clock: Clock, rate: u32, jerk: &Jerk) -> Limit {
-    Limit::new(clock.half_acceleration(rate) << 1, jerk)
+    Limit::new(clock.half_acceleration(rate).doubled(), jerk)
 }
 
 /// Calls `then` with the limits in ticks.
@@ -122,7 +122,7 @@ fn with_rules<R>(
         &other
     };
     then(&Rules {
-        top: clock.speed(limits.velocity).cast_signed(),
+        top: clock.speed(limits.velocity).forwards(),
         acceleration,
         deceleration,
         jerk,
@@ -131,12 +131,11 @@ fn with_rules<R>(
 
 /// A motion as it is in a frame that may be turned round.
 fn seen(start: &InitialState, reverse: bool, jerk: &Jerk) -> Motion {
-    let (velocity, acceleration) = (start.from.velocity, *start.acceleration.get());
-    if reverse {
-        Motion::new(-velocity, -acceleration, jerk)
-    } else {
-        Motion::new(velocity, acceleration, jerk)
-    }
+    Motion::new(
+        with_sign(start.from.velocity, reverse),
+        with_sign(*start.acceleration.get(), reverse),
+        jerk,
+    )
 }
 
 fn builder<'a>(plan: &'a mut Plan, start: &InitialState, reverse: bool) -> PlanBuilder<'a> {
@@ -150,7 +149,7 @@ fn stop(
     limit: &Limit,
     jerk: &Jerk,
 ) -> Result<(), PlanError> {
-    let reverse = start.from.velocity < 0;
+    let reverse = start.from.velocity < Q96::ZERO;
     let motion = seen(start, reverse, jerk);
     let mut builder = builder(plan, start, reverse);
     builder.append_ramp(&stopping(&motion, limit, jerk));
@@ -163,12 +162,12 @@ fn keep(
     plan: &mut Plan,
     start: &InitialState,
     reverse: bool,
-    end: i128,
+    end: Q96,
     rules: &Rules<'_>,
 ) -> Result<(), PlanError> {
     let motion = seen(start, reverse, rules.jerk);
     let mut builder = builder(plan, start, reverse);
-    if motion.velocity < 0 {
+    if motion.velocity < Q96::ZERO {
         builder.append_ramp(&stopping(&motion, rules.deceleration, rules.jerk));
         return builder.ramp_to(&Motion::REST, end, rules);
     }
@@ -179,17 +178,17 @@ fn keep(
 fn reach(
     plan: &mut Plan,
     start: &InitialState,
-    (target, end): (i64, i128),
+    (target, end): (i64, Q96),
     rules: &Rules<'_>,
 ) -> Result<(), PlanError> {
     // In a frame in which the target lies ahead.
-    let (gap, reverse) = distance_to(target, start.from).ok_or(PlanError::OutOfRange)?;
-    let goal = gap.cast_signed();
+    let (gap, reverse) = distance_to(target, start.from.position).ok_or(PlanError::OutOfRange)?;
+    let goal = gap.forwards();
     let motion = seen(start, reverse, rules.jerk);
-    let forwards = if motion.velocity == 0 {
-        motion.acceleration >= 0
+    let forwards = if motion.velocity.is_zero() {
+        motion.acceleration >= Q96::ZERO
     } else {
-        motion.velocity > 0 && motion.coasting() >= 0
+        motion.velocity > Q96::ZERO && motion.coasting() >= Q96::ZERO
     };
     let fit = Fit::new(&motion, gap, rules);
     let mut virtual_start = VirtualStart::steady(motion.velocity, false);
@@ -204,7 +203,7 @@ fn reach(
         return Err(PlanError::OutOfRange);
     }
     // Whoever is to pass the target need not be able to stop before it.
-    if end != 0 && gap != 0 && forwards {
+    if !end.is_zero() && !gap.is_zero() && forwards {
         let cruise = if fit.is_ample {
             None
         } else {
@@ -224,13 +223,13 @@ fn reach(
     // What is still to go from where a stop would end.
     let (mut is_beyond, mut left) = beyond(gap, stop.distance).ok_or(PlanError::OutOfRange)?;
     if left <= indistinct(stop_time) {
-        if end == 0 || gap == 0 {
+        if end.is_zero() || gap.is_zero() {
             let mut builder = builder(plan, start, reverse);
             builder.append_ramp_ending_at(&stop, goal);
             return builder.rest_at(goal);
         }
         // On which side of the target it ends is rounding: it goes on as it came.
-        (is_beyond, left) = (false, 0);
+        (is_beyond, left) = (false, DistanceQ96::ZERO);
     }
     if fit.is_unknown
         && !is_beyond
@@ -241,7 +240,7 @@ fn reach(
         return builder.append_move((&motion, &virtual_start), cruise, (gap, end, goal), rules);
     }
     // Behind the target, in a frame in which the distance back is positive.
-    let goal = if is_beyond { goal.wrapping_neg() } else { goal };
+    let goal = with_sign(goal, is_beyond);
     if motion.is_rest() {
         // Velocity zero never covers a distance.
         return Err(PlanError::OutOfRange);
@@ -255,29 +254,25 @@ fn reach(
 }
 
 /// Where the target lies from the end of `distance`: whether it is behind there, and how far.
-fn beyond(gap: u128, distance: i128) -> Option<(bool, u128)> {
-    let length = distance.unsigned_abs();
-    if distance < 0 {
+fn beyond(gap: DistanceQ96, distance: PositionQ96) -> Option<(bool, DistanceQ96)> {
+    let length = distance.amount();
+    if distance.bits() < 0 {
         return Some((false, gap.checked_add(length)?));
     }
-    Some(if gap >= length {
-        (false, gap.wrapping_sub(length))
-    } else {
-        (true, length.wrapping_sub(gap))
-    })
+    Some((gap < length, gap.abs_diff(length)))
 }
 
 /// How far a target and the end of a stop may lie apart and still mean the same: states are rounded, and what is lost adds up over
 /// the time of braking.
-fn indistinct(stop_time: TicksQ32) -> u128 {
-    ((stop_time >> 32) << 44).saturating_add(1 << 68)
+fn indistinct(stop_time: TicksQ32) -> DistanceQ96 {
+    DistanceQ96::from_bits(((stop_time.bits() >> 32) << 44).saturating_add(1 << 68))
 }
 
 /// Whether a stop takes 2³¹ steps or more.
 #[cold]
 fn is_too_long(motion: &Motion, rules: &Rules<'_>) -> bool {
     let distance = stopping_distance(motion, rules.deceleration, rules.jerk);
-    distance == i128::MAX || distance == i128::MIN
+    distance.bits() == i128::MAX || distance.bits() == i128::MIN
 }
 
 /// What rough numbers tell of a stop.
@@ -297,10 +292,10 @@ const ROUGH_ERROR: Rough = Rough::power(-12);
 const SPAN: Rough = Rough::power(31);
 
 impl Fit {
-    fn new(motion: &Motion, gap: u128, rules: &Rules<'_>) -> Self {
+    fn new(motion: &Motion, gap: DistanceQ96, rules: &Rules<'_>) -> Self {
         if motion.is_rest() {
             return Self {
-                is_ample: gap > indistinct(0),
+                is_ample: gap > indistinct(TicksQ32::ZERO),
                 is_unknown: false,
                 is_doubtful: false,
             };
@@ -313,10 +308,10 @@ impl Fit {
         let turned = |value: Rough, negative: bool| {
             if negative { value.negated() } else { value }
         };
-        let falls = motion.coasting() > 0;
+        let falls = motion.coasting() > Q96::ZERO;
         let time = turned(motion.time.rough(), falls);
         let change = turned(motion.change.rough(), falls);
-        let velocity = Number::of(motion.velocity, Kind::Velocity).rough();
+        let velocity = Number::of(motion.velocity.bits(), Kind::Velocity).rough();
         let jerk = rules.jerk.rough;
         // How far the motion is behind the beginning of a ramp without acceleration, whose rest it is, and at which velocity that begins; as
         // `VirtualStart::new` has it.
@@ -347,7 +342,7 @@ impl Fit {
         let whole = start.halved().times(steady);
         let distance = whole.minus(before);
         let parts = whole.magnitude().plus(cancelled);
-        let spare = Rough::of(gap, Kind::Distance).minus(distance);
+        let spare = Rough::of(gap.bits(), Kind::Distance).minus(distance);
         let error_bound = parts.times(ROUGH_ERROR);
         let is_unknown = spare.magnitude() <= error_bound;
         Self {
@@ -381,17 +376,20 @@ mod tests {
             let clock = Clock::new(168_000_000).unwrap();
             let jerk = &Jerk::new(clock.sixth_jerk((jerk >> bits.2).max(1)));
             let deceleration = &limit(clock, (deceleration >> bits.0).max(1), jerk);
-            let rules = Rules { top: 0, acceleration: deceleration, deceleration, jerk };
-            let speed = |whole: u32| clock.speed(whole.into()).cast_signed();
-            let velocity = speed(velocity.unsigned_abs() >> bits.1) * i128::from(velocity.signum());
-            let acceleration = (clock.half_acceleration((rate.unsigned_abs() >> bits.2) as u32) << 1).cast_signed();
-            let motion = Motion::new(velocity, acceleration * i128::from(rate.signum()), jerk);
+            let rules = Rules { top: Q96::ZERO, acceleration: deceleration, deceleration, jerk };
+            let speed = clock.speed((velocity.unsigned_abs() >> bits.1).into());
+            let acceleration = clock.half_acceleration((rate.unsigned_abs() >> bits.2) as u32).doubled();
+            let motion = Motion::new(
+                with_sign(speed.forwards(), velocity < 0),
+                with_sign(acceleration.forwards(), rate < 0),
+                jerk,
+            );
             prop_assume!(!motion.is_rest());
-            let distance = stopping_distance(&motion, deceleration, jerk);
+            let distance = stopping_distance(&motion, deceleration, jerk).bits();
             // Nearer and nearer to it, on both sides.
             let off = (distance.unsigned_abs() >> closeness).cast_signed();
             for gap in [distance.saturating_sub(off), distance.saturating_add(off)] {
-                let fit = Fit::new(&motion, gap.max(0).unsigned_abs(), &rules);
+                let fit = Fit::new(&motion, DistanceQ96::from_bits(gap.max(0).unsigned_abs()), &rules);
                 let is_far = distance.unsigned_abs() >= 1 << 127;
                 prop_assert!(!is_far || fit.is_doubtful, "{distance}");
                 if !fit.is_unknown && distance < i128::MAX {

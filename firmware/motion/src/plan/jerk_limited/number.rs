@@ -6,6 +6,7 @@
 //! sum may lose a last bit: what is worked out here is right to 2⁻⁵⁵, a thousand times finer than a difference that counts.
 
 use super::rough::{Kind, Rough};
+use crate::exact::{DistanceQ96, PositionQ96, Q96, TicksQ32};
 use crate::root::reciprocal_root;
 
 /// The bits of a mantissa, without its sign.
@@ -81,6 +82,19 @@ impl Number {
         };
         let word = |low: u32, high: u32| u64::from(high) << 32 | u64::from(low);
         (u128::from(word(c, d)) << 64 | u128::from(word(a, b))).cast_signed()
+    }
+
+    pub(super) fn velocity(self) -> Q96 {
+        Q96::from_bits(self.fixed(Kind::Velocity))
+    }
+
+    pub(super) fn distance(self) -> PositionQ96 {
+        PositionQ96::from_bits(self.fixed(Kind::Distance))
+    }
+
+    /// Of what is not negative.
+    pub(super) fn time(self) -> TicksQ32 {
+        TicksQ32::from_bits(self.fixed(Kind::Time).cast_unsigned())
     }
 
     /// Whether it may be 2^exponent or more, or as much below zero: what is sure to be less is not.
@@ -240,6 +254,29 @@ fn fraction(one: i64, other: i64) -> i64 {
         .wrapping_mul(other_low)
         .wrapping_add(low.wrapping_mul(other_high));
     high.wrapping_mul(other_high).wrapping_add(cross >> 31)
+}
+
+/// What no other motion asks of exact numbers.
+impl PositionQ96 {
+    /// How long a distance is, in whichever direction.
+    pub(super) const fn amount(self) -> DistanceQ96 {
+        DistanceQ96::from_bits(self.bits().unsigned_abs())
+    }
+}
+
+impl Q96 {
+    /// The least above zero.
+    pub(super) const LEAST: Self = Self::from_bits(1);
+
+    pub(super) const fn halved(self) -> Self {
+        Self::from_bits(self.bits() >> 1)
+    }
+}
+
+impl TicksQ32 {
+    pub(super) const fn halved(self) -> Self {
+        Self::from_bits(self.bits() >> 1)
+    }
 }
 
 /// The upper digit of two that are shifted up by less than a digit.

@@ -11,22 +11,21 @@ use core::cell::Cell;
 
 use super::number::Number;
 use super::rough::{Kind, Rough};
-use crate::clock::{Uq96, Uq128};
-use crate::plan::piece::{TicksQ32, distance_at};
+use crate::exact::{PositionQ96, Q96, Q128, TicksQ32, Uq96, with_sign};
 
 /// The jerk, as it is worked with.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Jerk {
-    /// A sixth of it, Q128 steps per tick³: the coefficient of a cubic. At most `TOP_SIXTH_JERK`.
-    pub(crate) sixth: Uq128,
+    /// A sixth of it: the coefficient of a cubic. At most `TOP_SIXTH_JERK`.
+    pub(crate) sixth: Q128,
     inverse: Number,
     /// All of it.
     pub(super) rough: Rough,
 }
 
 impl Jerk {
-    pub(super) fn new(sixth: Uq128) -> Self {
-        let whole = Number::of(sixth.wrapping_mul(6).cast_signed(), Kind::Jerk);
+    pub(super) fn new(sixth: Q128) -> Self {
+        let whole = Number::of(sixth.bits() * 6, Kind::Jerk);
         Self {
             sixth,
             inverse: whole.reciprocal(),
@@ -38,19 +37,18 @@ impl Jerk {
 /// The greatest acceleration of a ramp.
 #[derive(Debug, Clone)]
 pub(super) struct Limit {
-    /// Q96 steps per tick².
-    pub(super) most: i128,
+    pub(super) most: Q96,
     number: Number,
     /// The time from no acceleration to this one, at the jerk.
     entry: Number,
     /// The change of velocity in that time.
     half: Number,
-    /// The change of velocity while the acceleration grows to the limit and falls again at once, Q96, saturating: it may be beyond
+    /// The change of velocity while the acceleration grows to the limit and falls again at once, saturating: it may be beyond
     /// all velocities.
-    rises: i128,
-    /// Its reciprocal, once it was asked for; and then also the entry in Q32 ticks.
+    rises: Q96,
+    /// Its reciprocal, once it was asked for; and then also the entry as a time.
     inverse: Cell<Number>,
-    exact_entry: Cell<i128>,
+    exact_entry: Cell<TicksQ32>,
     pub(super) rough: RoughLimit,
 }
 
@@ -65,8 +63,8 @@ pub(super) struct RoughLimit {
 
 impl Limit {
     pub(super) fn new(most: Uq96, jerk: &Jerk) -> Self {
-        let most = most.cast_signed();
-        let number = Number::of(most, Kind::Acceleration);
+        let most = most.forwards();
+        let number = Number::of(most.bits(), Kind::Acceleration);
         let entry = number.times(jerk.inverse);
         let half = number.times(entry).halved();
         let rough = number.rough();
@@ -75,9 +73,9 @@ impl Limit {
             number,
             entry,
             half,
-            rises: half.doubled().bounded(Kind::Velocity),
+            rises: Q96::from_bits(half.doubled().bounded(Kind::Velocity)),
             inverse: Cell::new(Number::ZERO),
-            exact_entry: Cell::new(0),
+            exact_entry: Cell::new(TicksQ32::ZERO),
             rough: RoughLimit {
                 square: rough.times(rough),
                 slowness: Rough::ONE.over(rough),
@@ -94,7 +92,7 @@ impl Limit {
         }
         let inverse = self.number.reciprocal();
         self.inverse.set(inverse);
-        self.exact_entry.set(self.entry.fixed(Kind::Time));
+        self.exact_entry.set(self.entry.time());
         inverse
     }
 }
@@ -109,15 +107,15 @@ struct Steady {
 
 impl Steady {
     #[inline(always)]
-    fn new(gain: i128, limit: &Limit, jerk: &Jerk) -> Self {
-        let held = gain.wrapping_sub(limit.rises);
-        if held >= 0 {
+    fn new(gain: Q96, limit: &Limit, jerk: &Jerk) -> Self {
+        let held = gain - limit.rises;
+        if held >= Q96::ZERO {
             return Self {
                 entry: limit.entry,
-                hold: Some(Number::of(held, Kind::Velocity).times(limit.inverse())),
+                hold: Some(Number::of(held.bits(), Kind::Velocity).times(limit.inverse())),
             };
         }
-        let square = Number::of(gain, Kind::Velocity).times(jerk.inverse);
+        let square = Number::of(gain.bits(), Kind::Velocity).times(jerk.inverse);
         Self {
             entry: square.root(),
             hold: None,
@@ -125,30 +123,30 @@ impl Steady {
     }
 }
 
-/// How far a ramp goes that begins and ends with no acceleration, Q96 steps, saturating. What [`Ramp::become_steady`] would find, without
+/// How far a ramp goes that begins and ends with no acceleration, saturating. What [`Ramp::become_steady`] would find, without
 /// its pieces.
 #[inline(never)]
-pub(super) fn steady_distance(velocity: i128, end: i128, limit: &Limit, jerk: &Jerk) -> i128 {
-    steady_length(velocity, end, limit, jerk).bounded(Kind::Distance)
+pub(super) fn steady_distance(velocity: Q96, end: Q96, limit: &Limit, jerk: &Jerk) -> PositionQ96 {
+    PositionQ96::from_bits(steady_length(velocity, end, limit, jerk).bounded(Kind::Distance))
 }
 
 #[inline(always)]
-fn steady_length(velocity: i128, end: i128, limit: &Limit, jerk: &Jerk) -> Number {
-    let gain = end.wrapping_sub(velocity).unsigned_abs().cast_signed();
+fn steady_length(velocity: Q96, end: Q96, limit: &Limit, jerk: &Jerk) -> Number {
+    let gain = (end - velocity).amount().forwards();
     let steady = Steady::new(gain, limit, jerk);
     let time = match steady.hold {
         None => steady.entry,
         Some(hold) => steady.entry.plus(hold.halved()),
     };
-    let sum = Number::of(velocity.wrapping_add(end), Kind::Velocity);
+    let sum = Number::of((velocity + end).bits(), Kind::Velocity);
     sum.times(time)
 }
 
-/// How far a ramp to rest goes, Q96 steps, saturating: [`Ramp::distance`], which wraps, is wrong for a long one.
+/// How far a ramp to rest goes, saturating: [`Ramp::distance`], which wraps, is wrong for a long one.
 #[cold]
 #[inline(never)]
-pub(super) fn stopping_distance(from: &Motion, limit: &Limit, jerk: &Jerk) -> i128 {
-    let falls = from.coasting() > 0;
+pub(super) fn stopping_distance(from: &Motion, limit: &Limit, jerk: &Jerk) -> PositionQ96 {
+    let falls = from.coasting() > Q96::ZERO;
     let turned = |value: Number| if falls { value.negated() } else { value };
     let mut virtual_start = VirtualStart::new(from, falls, limit);
     let ahead = if virtual_start.is_easing {
@@ -158,46 +156,45 @@ pub(super) fn stopping_distance(from: &Motion, limit: &Limit, jerk: &Jerk) -> i1
         let mean = virtual_start.speed().plus(change.times(Number::THIRD));
         time.times(mean).negated()
     };
-    steady_length(virtual_start.velocity, 0, limit, jerk)
-        .plus(ahead)
-        .bounded(Kind::Distance)
+    let length = steady_length(virtual_start.velocity, Q96::ZERO, limit, jerk);
+    PositionQ96::from_bits(length.plus(ahead).bounded(Kind::Distance))
 }
 
 /// A velocity with an acceleration.
 #[derive(Debug)]
 pub(super) struct Motion {
-    pub(super) velocity: i128,
-    pub(super) acceleration: i128,
+    pub(super) velocity: Q96,
+    pub(super) acceleration: Q96,
     /// The time in which the acceleration goes to zero at the jerk; negative if the acceleration is.
     pub(super) time: Number,
     /// The change of velocity in that time.
     pub(super) change: Number,
-    /// The same, Q96.
-    exact_change: i128,
+    /// The same, exactly.
+    exact_change: Q96,
 }
 
 impl Motion {
     pub(super) const REST: Self = Self {
-        velocity: 0,
-        acceleration: 0,
+        velocity: Q96::ZERO,
+        acceleration: Q96::ZERO,
         time: Number::ZERO,
         change: Number::ZERO,
-        exact_change: 0,
+        exact_change: Q96::ZERO,
     };
 
     /// One without acceleration.
-    pub(super) const fn steady(velocity: i128) -> Self {
+    pub(super) const fn steady(velocity: Q96) -> Self {
         Self {
             velocity,
             ..Self::REST
         }
     }
 
-    pub(super) fn new(velocity: i128, acceleration: i128, jerk: &Jerk) -> Self {
-        if acceleration == 0 {
+    pub(super) fn new(velocity: Q96, acceleration: Q96, jerk: &Jerk) -> Self {
+        if acceleration.is_zero() {
             return Self::steady(velocity);
         }
-        let number = Number::of(acceleration, Kind::Acceleration);
+        let number = Number::of(acceleration.bits(), Kind::Acceleration);
         let time = number.times(jerk.inverse);
         let change = number.times(time).halved();
         Self {
@@ -205,20 +202,20 @@ impl Motion {
             acceleration,
             time,
             change,
-            exact_change: change.fixed(Kind::Velocity),
+            exact_change: change.velocity(),
         }
     }
 
     pub(super) const fn is_rest(&self) -> bool {
-        self.velocity == 0 && self.acceleration == 0
+        self.velocity.is_zero() && self.acceleration.is_zero()
     }
 
     /// The velocity at the end, if the acceleration now goes to zero at the jerk.
-    pub(super) const fn coasting(&self) -> i128 {
-        if self.acceleration < 0 {
-            self.velocity.wrapping_sub(self.exact_change)
+    pub(super) fn coasting(&self) -> Q96 {
+        if self.acceleration < Q96::ZERO {
+            self.velocity - self.exact_change
         } else {
-            self.velocity.wrapping_add(self.exact_change)
+            self.velocity + self.exact_change
         }
     }
 }
@@ -227,12 +224,12 @@ impl Motion {
 /// last part of that longer one.
 #[derive(Debug)]
 pub(super) struct VirtualStart {
-    /// How far the motion is ahead of the virtual start, Q96 steps.
-    pub(super) ahead: i128,
+    /// How far the motion is ahead of the virtual start.
+    pub(super) ahead: PositionQ96,
     /// How long ago the virtual start is, Q32 ticks; negative if it is still to come.
     ago: i128,
     /// The velocity there.
-    pub(super) velocity: i128,
+    pub(super) velocity: Q96,
     /// The ramp goes downwards.
     pub(super) falls: bool,
     /// The acceleration is beyond the limit: first of all it falls to that.
@@ -245,7 +242,7 @@ impl VirtualStart {
     /// Of a ramp upwards or downwards. `limit` is its greatest acceleration.
     pub(super) fn new(from: &Motion, falls: bool, limit: &Limit) -> Self {
         let mut virtual_start = Self::steady(from.velocity, falls);
-        if from.acceleration != 0 {
+        if !from.acceleration.is_zero() {
             virtual_start.come_from(from, limit);
         }
         virtual_start
@@ -254,12 +251,12 @@ impl VirtualStart {
     /// Becomes another one, as [`VirtualStart::new`] would have it: it is large, and copies of it are costly.
     pub(super) fn renew(&mut self, from: &Motion, falls: bool, limit: &Limit) {
         self.velocity = from.velocity;
-        self.ahead = 0;
+        self.ahead = PositionQ96::ZERO;
         self.ago = 0;
         self.falls = falls;
         self.is_easing = false;
         self.is_far = false;
-        if from.acceleration != 0 {
+        if !from.acceleration.is_zero() {
             self.come_from(from, limit);
         }
     }
@@ -268,45 +265,31 @@ impl VirtualStart {
     #[inline(never)]
     fn come_from(&mut self, from: &Motion, limit: &Limit) {
         let falls = self.falls;
-        let acceleration = if falls {
-            from.acceleration.wrapping_neg()
-        } else {
-            from.acceleration
-        };
-        if acceleration > limit.most {
+        if with_sign(from.acceleration, falls) > limit.most {
             self.ease(from, limit);
             return;
         }
         let turned = |value: Number| if falls { value.negated() } else { value };
         let (time, change) = (turned(from.time), turned(from.change));
-        let exact_change = if falls {
-            from.exact_change.wrapping_neg()
-        } else {
-            from.exact_change
-        };
-        self.velocity = from.velocity.wrapping_sub(exact_change);
+        self.velocity = from.velocity - with_sign(from.exact_change, falls);
         let distance = time.times(self.speed());
         let by_jerk = time.times(change).times(Number::THIRD);
         // Most are so short that the sum need not be made for that.
         self.is_far = distance.may_exceed(29) | by_jerk.may_exceed(29)
             && distance.plus(by_jerk).saturates(Kind::Distance);
-        let (distance, by_jerk) = (
-            distance.fixed(Kind::Distance),
-            by_jerk.fixed(Kind::Distance),
-        );
-        self.ahead = distance.wrapping_add(by_jerk).wrapping_neg();
+        self.ahead = -(distance.distance() + by_jerk.distance());
         self.ago = time.fixed(Kind::Time);
     }
 
     fn speed(&self) -> Number {
-        Number::of(self.velocity, Kind::Velocity)
+        Number::of(self.velocity.bits(), Kind::Velocity)
     }
 
     /// Of a ramp that begins with no acceleration.
-    pub(super) const fn steady(velocity: i128, falls: bool) -> Self {
+    pub(super) const fn steady(velocity: Q96, falls: bool) -> Self {
         Self {
             velocity,
-            ahead: 0,
+            ahead: PositionQ96::ZERO,
             ago: 0,
             falls,
             is_easing: false,
@@ -322,18 +305,16 @@ impl VirtualStart {
         let turned = |value: Number| if falls { value.negated() } else { value };
         let (time, change) = (turned(from.time), turned(from.change));
         let rise = turned(limit.half);
-        self.velocity = from
-            .velocity
-            .wrapping_add(change.minus(rise.doubled()).fixed(Kind::Velocity));
+        self.velocity = from.velocity + change.minus(rise.doubled()).velocity();
         // With T for the entry and t for the time that the acceleration would need to zero: v·(t − 2T) + j·(t³/3 − t²·T + T³).
         let since = time.minus(limit.entry.doubled());
         let fallen = time.times(Number::THIRD).minus(limit.entry);
         let by_jerk = change.times(fallen).plus(rise.times(limit.entry));
-        let ahead = Number::of(from.velocity, Kind::Velocity)
+        let ahead = Number::of(from.velocity.bits(), Kind::Velocity)
             .times(since)
             .plus(by_jerk.doubled());
         self.is_far = ahead.saturates(Kind::Distance);
-        self.ahead = ahead.fixed(Kind::Distance);
+        self.ahead = ahead.distance();
         self.ago = since.negated().fixed(Kind::Time);
         self.is_easing = true;
         ahead
@@ -345,20 +326,20 @@ impl VirtualStart {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ramp {
     /// At its beginning.
-    pub(super) velocity: i128,
-    pub(super) acceleration: i128,
+    pub(super) velocity: Q96,
+    pub(super) acceleration: Q96,
     /// At its end, where there is no acceleration.
-    pub(super) end: i128,
-    /// How far it goes, Q96 steps; modulo 2³² steps.
-    pub(super) distance: i128,
+    pub(super) end: Q96,
+    /// How far it goes.
+    pub(super) distance: PositionQ96,
     /// How long the acceleration goes to the greatest value, stays there, and goes to zero.
     pub(super) entry: TicksQ32,
     pub(super) hold: TicksQ32,
     pub(super) exit: TicksQ32,
     /// The limit of the acceleration, whichever its direction.
-    pub(super) most: i128,
-    /// A sixth of the jerk, Q128, whichever its direction.
-    pub(super) sixth_jerk: i128,
+    pub(super) most: Q96,
+    /// A sixth of the jerk, whichever its direction.
+    pub(super) sixth_jerk: Q128,
     pub(super) falls: bool,
     /// It begins with more than the greatest acceleration, and so against the direction of the change.
     pub(super) is_easing: bool,
@@ -367,15 +348,15 @@ pub(super) struct Ramp {
 impl Ramp {
     /// Rest.
     pub(super) const NONE: Self = Self {
-        velocity: 0,
-        acceleration: 0,
-        end: 0,
-        distance: 0,
-        entry: 0,
-        hold: 0,
-        exit: 0,
-        most: 0,
-        sixth_jerk: 0,
+        velocity: Q96::ZERO,
+        acceleration: Q96::ZERO,
+        end: Q96::ZERO,
+        distance: PositionQ96::ZERO,
+        entry: TicksQ32::ZERO,
+        hold: TicksQ32::ZERO,
+        exit: TicksQ32::ZERO,
+        most: Q96::ZERO,
+        sixth_jerk: Q128::ZERO,
         falls: false,
         is_easing: false,
     };
@@ -384,7 +365,7 @@ impl Ramp {
     #[cfg(test)]
     pub(super) fn new(
         (from, virtual_start): (&Motion, &VirtualStart),
-        end: i128,
+        end: Q96,
         limit: &Limit,
         jerk: &Jerk,
     ) -> Self {
@@ -397,7 +378,7 @@ impl Ramp {
     pub(super) fn become_of(
         &mut self,
         (from, virtual_start): (&Motion, &VirtualStart),
-        end: i128,
+        end: Q96,
         limit: &Limit,
         jerk: &Jerk,
     ) {
@@ -409,13 +390,9 @@ impl Ramp {
         );
         self.velocity = from.velocity;
         self.acceleration = from.acceleration;
-        self.distance = self.distance.wrapping_add(virtual_start.ahead);
-        let entry = self
-            .exit
-            .cast_signed()
-            .wrapping_sub(virtual_start.ago)
-            .max(0);
-        self.entry = entry.cast_unsigned();
+        self.distance = self.distance + virtual_start.ahead;
+        let entry = self.exit.bits().cast_signed() - virtual_start.ago;
+        self.entry = TicksQ32::from_bits(entry.max(0).cast_unsigned());
         self.is_easing = virtual_start.is_easing;
     }
 
@@ -423,54 +400,51 @@ impl Ramp {
     #[inline(never)]
     pub(super) fn become_steady(
         &mut self,
-        (velocity, falls): (i128, bool),
-        end: i128,
+        (velocity, falls): (Q96, bool),
+        end: Q96,
         limit: &Limit,
         jerk: &Jerk,
     ) {
         self.velocity = velocity;
-        self.acceleration = 0;
+        self.acceleration = Q96::ZERO;
         self.end = end;
         self.falls = falls;
         self.is_easing = false;
-        self.sixth_jerk = jerk.sixth.cast_signed();
-        let gain = end.wrapping_sub(velocity);
-        let gain = if falls { gain.wrapping_neg() } else { gain };
-        let Steady { entry, hold } = Steady::new(gain.max(0), limit, jerk);
+        self.sixth_jerk = jerk.sixth;
+        let gain = with_sign(end - velocity, falls);
+        let Steady { entry, hold } = Steady::new(gain.max(Q96::ZERO), limit, jerk);
         let (exit, hold) = match hold {
-            None => (entry.fixed(Kind::Time), 0),
-            Some(hold) => (limit.exact_entry.get(), hold.fixed(Kind::Time)),
+            None => (entry.time(), TicksQ32::ZERO),
+            Some(hold) => (limit.exact_entry.get(), hold.time()),
         };
-        let (exit, hold) = (exit.cast_unsigned(), hold.cast_unsigned());
         self.most = limit.most;
         self.entry = exit;
         self.hold = hold;
         self.exit = exit;
         // Its mean velocity is that of its ends.
-        let sum = velocity.wrapping_add(end);
-        self.distance = distance_at(sum, exit.wrapping_add(hold >> 1));
+        self.distance = (velocity + end).distance(exit + hold.halved());
     }
 
     /// Turns it into the same in the other direction of motion.
     pub(super) fn mirror(&mut self) {
-        self.velocity = self.velocity.wrapping_neg();
-        self.acceleration = self.acceleration.wrapping_neg();
-        self.end = self.end.wrapping_neg();
-        self.distance = self.distance.wrapping_neg();
+        self.velocity = -self.velocity;
+        self.acceleration = -self.acceleration;
+        self.end = -self.end;
+        self.distance = -self.distance;
         self.falls = !self.falls;
     }
 
     /// How long it takes.
     pub(super) fn time(&self) -> TicksQ32 {
-        self.entry.wrapping_add(self.hold).wrapping_add(self.exit)
+        self.entry + self.hold + self.exit
     }
 }
 
-/// A third of a number of 96 bits.
+/// A third of a speed.
 #[inline(always)]
-pub(super) fn third(value: u128) -> u128 {
+pub(super) fn third(speed: Uq96) -> Uq96 {
     /// Of 2⁶⁴.
     const THIRD: u64 = u64::MAX / 3;
-    let low = u128::from(value as u64).wrapping_mul(THIRD.into()) >> 64;
-    (value >> 64).wrapping_mul(THIRD.into()).wrapping_add(low)
+    let low = (u128::from(speed.bits() as u64) * u128::from(THIRD)) >> 64;
+    Uq96::from_bits((speed.bits() >> 64) * u128::from(THIRD) + low)
 }

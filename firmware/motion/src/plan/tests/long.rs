@@ -2,6 +2,7 @@
 
 use super::smooth::{assert_no_jump, double_s};
 use super::{Goal, Limits, Plan, Ramps, clock, per_second, state, steps};
+use crate::exact::{Q96, Q128};
 use crate::plan::InitialState;
 use crate::{PlanError, Position, State};
 
@@ -57,7 +58,7 @@ fn i02_a_softer_deceleration_while_braking_is_no_reason_to_refuse() {
     };
     let ramps = Ramps::JerkLimited(5_050_000);
     // From 2,000,000 steps/s at 1,000,000 steps/s²: the acceleration begins to fall at 99,010 steps/s.
-    let start = start(state(clock, 0, 2_000_000), 0);
+    let start = start(state(clock, 0, 2_000_000), Q96::ZERO);
     let mut braking = Plan::at_rest(0, 0);
     braking
         .make(
@@ -88,8 +89,8 @@ fn i02_a_softer_deceleration_while_braking_is_no_reason_to_refuse() {
 }
 
 /// A motion with an acceleration, which came about at whatever jerk.
-fn start(from: State, acceleration: i128) -> InitialState {
-    InitialState::steady(0, from.into()).easing(acceleration, 0)
+fn start(from: State, acceleration: Q96) -> InitialState {
+    InitialState::steady(0, from.into()).easing(acceleration, Q128::ZERO)
 }
 
 /// Whether a motion that must brake and come back can be planned; and if so, that it lands on its target.
@@ -100,7 +101,7 @@ fn is_possible((velocity, acceleration): (i32, u32), target: i64, deceleration: 
         acceleration: 1_000_000,
         deceleration,
     };
-    let acceleration = (clock.half_acceleration(acceleration) << 1).cast_signed();
+    let acceleration = clock.half_acceleration(acceleration).doubled().forwards();
     let start = start(state(clock, 0, velocity), -acceleration);
     let mut plan = Plan::at_rest(0, 0);
     let goal = Goal::Rest(target);
@@ -151,7 +152,7 @@ fn i02_braking_that_began_long_ago_lands_on_its_target() {
         acceleration: 1_000,
         deceleration: 1_000,
     };
-    let acceleration = (clock.half_acceleration(1_000) << 1).cast_signed();
+    let acceleration = clock.half_acceleration(1_000).doubled().forwards();
     for target in [1_300_000_000, 1_500_000_000, 2_000_000_000, 2_100_000_000] {
         let start = start(state(clock, 0, 1_500_000), -acceleration);
         let mut plan = Plan::at_rest(0, 0);
@@ -179,7 +180,7 @@ fn i02_an_acceleration_that_takes_half_the_span_to_fall_lands_on_its_target() {
         deceleration: 100_000,
     };
     for (velocity, acceleration) in [(2_650_000, 2_000), (2_400_000, 2_000), (3_000_000, 2_000)] {
-        let acceleration = (clock.half_acceleration(acceleration) << 1).cast_signed();
+        let acceleration = clock.half_acceleration(acceleration).doubled().forwards();
         for target in [
             -1_000_000_000,
             0,
