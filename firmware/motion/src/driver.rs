@@ -25,7 +25,7 @@ impl Nanoseconds {
     /// least.
     pub fn in_ticks(self, clock: Clock) -> DriverTiming {
         let ticks = |nanoseconds: u32| {
-            let product = u64::from(nanoseconds).wrapping_mul(clock.hz().into());
+            let product = u64::from(nanoseconds) * u64::from(clock.hz());
             u32::try_from(product.div_ceil(1_000_000_000)).unwrap_or(u32::MAX)
         };
         DriverTiming {

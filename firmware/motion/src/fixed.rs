@@ -66,11 +66,7 @@ impl Velocity {
     pub fn from_speed(clock: Clock, speed: SignedSpeed) -> Self {
         let exact = clock.speed(speed.unsigned_abs());
         let magnitude = low::u64((exact.bits() + (1 << 39)) >> 40).cast_signed();
-        Self(if speed.bits() < 0 {
-            magnitude.wrapping_neg()
-        } else {
-            magnitude
-        })
+        Self(with_sign(magnitude, speed.bits() < 0))
     }
 
     /// A velocity from its bits: steps/tick × 2⁵⁶.
@@ -88,15 +84,11 @@ impl Velocity {
         let bits = self.0.unsigned_abs().min(1 << 55);
         let hz = u64::from(clock.hz());
         // Q56 becomes Q32. The upper product has 53 bits at most.
-        let high = (bits >> 32).wrapping_mul(hz) << 8;
-        let low = u64::from(low::u32(bits)).wrapping_mul(hz);
-        let low = low.wrapping_add(1 << 23) >> 24;
-        let magnitude = high.wrapping_add(low).cast_signed();
-        SignedSpeed::from_bits(if self.0 < 0 {
-            magnitude.wrapping_neg()
-        } else {
-            magnitude
-        })
+        let high = ((bits >> 32) * hz) << 8;
+        let low = u64::from(low::u32(bits)) * hz;
+        let low = (low + (1 << 23)) >> 24;
+        let magnitude = (high + low).cast_signed();
+        SignedSpeed::from_bits(with_sign(magnitude, self.0 < 0))
     }
 
     /// The velocity at which `distance` takes so many ticks; zero for no ticks.
@@ -117,7 +109,7 @@ impl Velocity {
 
     /// The distance over so many ticks, in steps × 2³².
     pub fn distance(self, ticks: u32) -> i64 {
-        low::i64(i128::from(self.0).wrapping_mul(ticks.into()) >> 24)
+        low::i64((i128::from(self.0) * i128::from(ticks)) >> 24)
     }
 
     /// In the resolution of plans.

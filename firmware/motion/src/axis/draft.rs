@@ -209,8 +209,8 @@ impl Draft {
     fn seen_from(&self, goal: Goal, from: Exact) -> Goal {
         let here = from.position.steps();
         let ahead = here.wrapping_sub(self.steps);
-        let unwrapped = i64::from(self.steps).wrapping_add(ahead.into());
-        let shift = i64::from(here).wrapping_sub(unwrapped);
+        let unwrapped = i64::from(self.steps) + i64::from(ahead);
+        let shift = i64::from(here) - unwrapped;
         goal.shifted(shift)
     }
 

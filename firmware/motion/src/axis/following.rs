@@ -47,10 +47,9 @@ impl Axis {
         let (start, from) = self.path_end();
         let length = end.saturating_sub(start);
         let length = u32::try_from(length).map_err(|_| FollowError::TooFarAhead)?;
-        let both = i128::from(from.velocity.bits()).wrapping_add(velocity.bits().into());
+        let both = i128::from(from.velocity.bits()) + i128::from(velocity.bits());
         // Twice the distance in Q56: what a position cannot hold of it is kept for the next one, or slow velocities would drift.
-        let distance = both.wrapping_mul(length.into());
-        let distance = distance.wrapping_add(self.carry.into());
+        let distance = both * i128::from(length) + i128::from(self.carry);
         let to = from.position.bits().wrapping_add(low::i64(distance >> 25));
         let interpolation = if from.velocity == velocity {
             Interpolation::Steady(velocity)

@@ -33,7 +33,7 @@ impl Axis {
         } else {
             0
         };
-        let in_second = change.wrapping_mul(self.clock.hz().into());
+        let in_second = change * i128::from(self.clock.hz());
         let acceleration = in_second.checked_div(ticks).unwrap_or(0) >> 32;
         let state = self.trace.at(now);
         Reference {

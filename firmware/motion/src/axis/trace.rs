@@ -101,7 +101,7 @@ fn between(before: &Point, after: &Point, t: Ticks) -> State {
         if from == to {
             return from;
         }
-        let change = i128::from(to.wrapping_sub(from)).wrapping_mul(part.into()) >> 16;
+        let change = (i128::from(to.wrapping_sub(from)) * i128::from(part)) >> 16;
         from.wrapping_add(low::i64(change))
     };
     State {

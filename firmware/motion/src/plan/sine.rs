@@ -61,12 +61,8 @@ struct Product(u128);
 
 impl Product {
     fn of(change: Uq96, time: TicksQ32) -> Self {
-        let whole = change.bits().wrapping_mul(time.bits() >> 64);
-        Self(
-            share(change, low::u64(time.bits()))
-                .bits()
-                .wrapping_add(whole),
-        )
+        let whole = change.bits() * (time.bits() >> 64);
+        Self(share(change, low::u64(time.bits())).bits() + whole)
     }
 
     const fn steps(self) -> u128 {

@@ -10,7 +10,7 @@ use crate::exact::{DistanceQ96, PositionQ96, Q96, TicksQ32};
 use crate::root::reciprocal_root;
 
 /// The bits of a mantissa, without its sign.
-const BITS: u32 = 62;
+const BITS: i32 = 62;
 
 /// mantissa · 2^exponent
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -52,22 +52,16 @@ impl Number {
             u64::from(pair(top, middle, shift)) << 32 | u64::from(pair(middle, low, shift));
         let mantissa = (leading >> 2).cast_signed();
         Self {
-            mantissa: if value < 0 {
-                mantissa.wrapping_neg()
-            } else {
-                mantissa
-            },
-            exponent: (below + 2i32)
-                .wrapping_sub(shift.cast_signed())
-                .wrapping_sub(kind.point().cast_signed()),
+            mantissa: if value < 0 { -mantissa } else { mantissa },
+            exponent: below + 2 - shift.cast_signed() - kind.point().cast_signed(),
         }
     }
 
     /// The exact number, rounded down, modulo 2¹²⁸.
     pub(super) fn fixed(self, kind: Kind) -> i128 {
-        let shift = self.exponent.wrapping_add(kind.point().cast_signed());
+        let shift = self.exponent + kind.point().cast_signed();
         if shift < 0 {
-            return i128::from(self.mantissa >> shift.wrapping_neg().min(63));
+            return i128::from(self.mantissa >> (-shift).min(63));
         }
         let (low, high) = (self.mantissa as u32, (self.mantissa >> 32) as u32);
         let sign = (self.mantissa >> 63) as u32;
@@ -100,7 +94,7 @@ impl Number {
     /// Whether it may be 2^exponent or more, or as much below zero: what is sure to be less is not.
     #[inline(always)]
     pub(super) fn may_exceed(self, exponent: i32) -> bool {
-        self.exponent >= exponent.wrapping_sub(63)
+        self.exponent >= exponent - 63
     }
 
     /// Whether the exact number does not fit.
@@ -111,8 +105,8 @@ impl Number {
 
     /// The same, saturating.
     pub(super) fn bounded(self, kind: Kind) -> i128 {
-        let shift = self.exponent.wrapping_add(kind.point().cast_signed());
-        let beyond = self.mantissa >> 127i32.wrapping_sub(shift).clamp(0, 63);
+        let shift = self.exponent + kind.point().cast_signed();
+        let beyond = self.mantissa >> (127 - shift).clamp(0, 63);
         match beyond {
             0 | -1 => self.fixed(kind),
             1.. => i128::MAX,
@@ -123,12 +117,12 @@ impl Number {
     /// Its leading bits.
     pub(super) fn rough(self) -> Rough {
         let leading = (self.mantissa >> 31) as i32 as f32;
-        Rough::scaled(leading, self.exponent.wrapping_add(31))
+        Rough::scaled(leading, self.exponent + 31)
     }
 
     pub(super) const fn negated(self) -> Self {
         Self {
-            mantissa: self.mantissa.wrapping_neg(),
+            mantissa: -self.mantissa,
             exponent: self.exponent,
         }
     }
@@ -136,14 +130,14 @@ impl Number {
     pub(super) const fn halved(self) -> Self {
         Self {
             mantissa: self.mantissa,
-            exponent: self.exponent.wrapping_sub(1),
+            exponent: self.exponent - 1,
         }
     }
 
     pub(super) const fn doubled(self) -> Self {
         Self {
             mantissa: self.mantissa,
-            exponent: self.exponent.wrapping_add(1),
+            exponent: self.exponent + 1,
         }
     }
 
@@ -151,25 +145,22 @@ impl Number {
     pub(super) fn times(self, other: Self) -> Self {
         Self {
             mantissa: fraction(self.mantissa, other.mantissa),
-            exponent: self
-                .exponent
-                .wrapping_add(other.exponent)
-                .wrapping_add(BITS.cast_signed()),
+            exponent: self.exponent + other.exponent + BITS,
         }
     }
 
     /// The sum; the last bit is lost.
     pub(super) fn plus(self, other: Self) -> Self {
-        let apart = self.exponent.wrapping_sub(other.exponent);
+        let apart = self.exponent - other.exponent;
         let (large, small, apart) = if apart < 0 {
-            (other, self, apart.wrapping_neg())
+            (other, self, -apart)
         } else {
             (self, other, apart)
         };
         let small = (small.mantissa >> 1) >> apart.min(63);
         Self {
-            mantissa: (large.mantissa >> 1).wrapping_add(small),
-            exponent: large.exponent.wrapping_add(1),
+            mantissa: (large.mantissa >> 1) + small,
+            exponent: large.exponent + 1,
         }
     }
 
@@ -182,7 +173,7 @@ impl Number {
         let above = self.mantissa.leading_zeros().wrapping_sub(2) & 63;
         Self {
             mantissa: self.mantissa << above,
-            exponent: self.exponent.wrapping_sub(above.cast_signed()),
+            exponent: self.exponent - above.cast_signed(),
         }
     }
 
@@ -198,16 +189,13 @@ impl Number {
         let rough = ((1u64 << 61) as f32 / leading) as i32;
         // x·y = 1 − e, and 1/x = y·(1 + e + e²).
         let rough_fraction = i64::from(rough) << 31;
-        let left = (1i64 << 61).wrapping_sub(fraction(mantissa, rough_fraction));
+        let left = (1 << 61) - fraction(mantissa, rough_fraction);
         let short = left >> 20;
-        let series = left.wrapping_add(short.wrapping_mul(short) >> 21);
+        let series = left + ((short * short) >> 21);
         let better = fraction(rough_fraction, series << 20) >> 19;
         Self {
-            mantissa: rough_fraction.wrapping_add(better).min((1 << 62) - 1),
-            exponent: exponent
-                .wrapping_add(2 * BITS.cast_signed())
-                .wrapping_neg()
-                .wrapping_add(1),
+            mantissa: (rough_fraction + better).min((1 << 62) - 1),
+            exponent: 1 - (exponent + 2 * BITS),
         }
     }
 
@@ -220,21 +208,21 @@ impl Number {
         let Self { mantissa, exponent } = self.leading();
         // An even exponent, so that its root is a half of it.
         let odd = exponent & 1;
-        let (square, exponent) = (mantissa >> odd, exponent.wrapping_add(odd));
+        let (square, exponent) = (mantissa >> odd, exponent + odd);
         // x from 1/4 to 1, and y = 1/√x from 1 to 2, with 30 bits behind the point.
         let leading = (square >> 31) as i32 as f32 * (1.0 / 2_147_483_648.0);
         let rough = ((reciprocal_root(leading) * 1_073_741_824.0) as u32).min((1 << 31) - 1);
         let rough = i64::from(rough);
         // x·y² = 1 − e, and √x = x·y·(1 + e/2 + 3e²/8).
-        let left = (1i64 << 60).wrapping_sub(fraction(square, rough.wrapping_mul(rough)));
+        let left = (1 << 60) - fraction(square, rough * rough);
         let short = left >> 20;
-        let squared = short.wrapping_mul(short) >> 20;
-        let series = (left >> 1).wrapping_add(squared.wrapping_mul(3) >> 3);
+        let squared = (short * short) >> 20;
+        let series = (left >> 1) + ((squared * 3) >> 3);
         let root = fraction(square, rough << 31) << 1;
         let better = fraction(root, series << 22) >> 20;
         Self {
-            mantissa: root.wrapping_add(better).min((1 << 62) - 1),
-            exponent: (exponent >> 1).wrapping_sub(31),
+            mantissa: (root + better).min((1 << 62) - 1),
+            exponent: (exponent >> 1) - 31,
         }
     }
 }
@@ -250,10 +238,8 @@ fn fraction(one: i64, other: i64) -> i64 {
         (i64::from(high.cast_signed()), i64::from(low))
     };
     let ((high, low), (other_high, other_low)) = (split(one), split(other));
-    let cross = high
-        .wrapping_mul(other_low)
-        .wrapping_add(low.wrapping_mul(other_high));
-    high.wrapping_mul(other_high).wrapping_add(cross >> 31)
+    let cross = high * other_low + low * other_high;
+    high * other_high + (cross >> 31)
 }
 
 /// What no other motion asks of exact numbers.

@@ -43,9 +43,7 @@ impl Rough {
 
     /// 2 to the power of an exponent between −126 and 127.
     pub(super) const fn power(exponent: i32) -> Self {
-        Self(f32::from_bits(
-            exponent.wrapping_add(127).cast_unsigned() << 23,
-        ))
+        Self(f32::from_bits((exponent + 127).cast_unsigned() << 23))
     }
 
     /// number · 2^exponent, the exponent cut to −126 to 127.
@@ -65,20 +63,18 @@ impl Rough {
         };
         let leading = high as f32 * 4_294_967_296.0 + low as f32;
         let below: i32 = below;
-        Self(leading).times(Self::power(below.wrapping_sub(kind.point().cast_signed())))
+        Self(leading).times(Self::power(below - kind.point().cast_signed()))
     }
 
     /// The exact number, rounded down; what does not fit is the largest.
     pub(super) fn fixed(self, kind: Kind) -> u128 {
         let bits = self.0.to_bits();
         let mantissa = u128::from(bits & 0x7F_FFFF | 0x80_0000);
-        let shift = (bits >> 23)
-            .wrapping_add(kind.point())
-            .wrapping_sub(127 + 23);
-        match shift.cast_signed() {
+        let shift = ((bits >> 23) + kind.point()).cast_signed() - (127 + 23);
+        match shift {
             105.. => u128::MAX,
             0..=104 => mantissa << (shift & 127),
-            -23..=-1 => mantissa >> (shift.wrapping_neg() & 31),
+            -23..=-1 => mantissa >> (-shift & 31),
             _ => 0,
         }
     }
