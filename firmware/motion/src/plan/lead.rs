@@ -213,6 +213,8 @@ impl Plan {
             Some((piece, _)) if !piece.sixth_jerk().is_zero() => {
                 start.sixth_jerk = Smooth::new(piece.sixth_jerk());
             }
+            // No jerk has built it up: the ramp is linear, as one of a few ticks is.
+            _ if self.sixth_jerk.get().is_zero() => start.acceleration = Smooth::NONE,
             _ => start.sixth_jerk = self.sixth_jerk,
         }
         start

@@ -2,10 +2,31 @@
 
 use super::properties::{any_clock, magnitude, signed, usual_limits};
 use super::sequences::part_of;
-use super::{Goal, Limits, Plan, Ramps, amount, per_second, state, steps};
+use super::{Goal, Limits, Plan, Ramps, amount, clock, per_second, state, steps};
 use crate::Ticks;
 use proptest::prelude::*;
 use proptest::test_runner::contextualize_config;
+
+/// A sin² ramp of a few ticks is linear: it has no jerk by which its acceleration could be brought to zero.
+#[cfg(feature = "sin-squared")]
+#[test]
+fn i01_a_linear_ramp_of_a_few_ticks_is_left_at_once_at_limited_jerk() {
+    let clock = clock(168_000_000);
+    let limits = Limits {
+        velocity: 100.into(),
+        acceleration: 4_000_000_000,
+        deceleration: 4_000_000_000,
+    };
+    let mut plan = Plan::at_rest(0, 0);
+    for (at, ramps) in [(0, Ramps::SinSquared), (2, Ramps::JerkLimited(1_000))] {
+        let goal = Goal::Velocity(100.into());
+        plan.replan(clock, at, goal, limits, ramps).unwrap();
+    }
+    for t in (2..168_000_000).step_by(1_234_567) {
+        let now = per_second(clock, plan.state_at(t));
+        assert!((0.0..=100.001).contains(&now), "{now} at {t}");
+    }
+}
 
 proptest! {
     #![proptest_config(contextualize_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() }))]
