@@ -345,15 +345,8 @@ fn firmware<D: Behaves + Default, A: Moving>(
     let power_on: PowerOn = power_up.choose(&mut store, Controller::BIT_RATES);
     let (machine, scope) = machine();
     let dictionary = D::default();
-    let mut node = Node::new(
-        dictionary,
-        machine,
-        &power_on,
-        serial_number,
-        Controller::BIT_RATES,
-        store,
-    );
-    node.moved_by(A::MODES);
+    let mut node = Node::new(dictionary, machine, &power_on, serial_number, store);
+    node.set_up(&power_on, Controller::BIT_RATES, A::MODES);
     (node, A::control(scope))
 }
 

@@ -193,19 +193,13 @@ pub fn start(device: <Selected as Board>::Device, timer: SYST, memory: Memory) -
     let [value, spare] = user_memory;
     let machine = Machine::new(value, spare, &board::SCOPE_MEMORY);
     let node = place(node, || NodeTask {
-        node: Node::new(
-            Dictionary::new(),
-            machine,
-            &power_on,
-            serial_number,
-            CanBus::BIT_RATES,
-            store,
-        ),
+        node: Node::new(Dictionary::new(), machine, &power_on, serial_number, store),
         received,
         servo_objects,
         is_on: false,
     });
-    (node.node).moved_by(<<Selected as Board>::Axis as Actuator>::MODES);
+    let modes = <<Selected as Board>::Axis as Actuator>::MODES;
+    node.node.set_up(&power_on, CanBus::BIT_RATES, modes);
     let emitter = place(emitter, || Emitter::new(CONFIG));
     let stepping: &_ = place(stepping, || Stepping::new(emitter, pulses));
     let control = place(control, || {

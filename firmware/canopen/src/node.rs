@@ -135,24 +135,21 @@ impl<D: Dictionary> Node<D> {
         }
     }
 
-    /// The same device on a controller that reaches these bit rates only; LSS refuses the others (CiA 305, service 13h).
-    pub fn supporting(mut self, bit_rates: &[BitRate]) -> Self {
+    /// Its controller reaches these bit rates only; LSS refuses the others (CiA 305, service 13h).
+    pub fn support(&mut self, bit_rates: &[BitRate]) {
         self.lss = self.lss.supporting(bit_rates);
-        self
     }
 
-    /// The same device with automatic bit rate detection: LSS takes index 9 of its bit timing table 0, and the firmware serves
+    /// With automatic bit rate detection: LSS takes index 9 of its bit timing table 0, and the firmware serves
     /// [`Event::FindBitRate`].
-    pub fn detecting(mut self) -> Self {
+    pub const fn detect(&mut self) {
         self.lss = self.lss.detecting();
-        self
     }
 
-    /// The same device after a power-on with these sources of node-ID and bit rate. What is stored stays stored until it is
+    /// It was powered on with these sources of node-ID and bit rate. What is stored stays stored until it is
     /// configured anew, and what the build has fixed cannot be configured: 11h and 13h answer FFh 01h.
-    pub fn started(mut self, power_on: &PowerOn) -> Self {
+    pub fn start(&mut self, power_on: &PowerOn) {
         self.lss = self.lss.started(power_on);
-        self
     }
 
     /// Loads power-on values, applies a pending node-ID and sends the boot-up message; then Pre-operational. An

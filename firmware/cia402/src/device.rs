@@ -99,6 +99,8 @@ impl<D: Behaves> Device<D> {
 impl<D: Behaves, A: Application<D>> Device<D, A> {
     /// The same with an application, which hears of every write that the drive allows (its rules come first), and serves the
     /// streamed objects. What it writes to objects of the drive is seen with the next write of one by the network.
+    // Out of line, so that it is made where it stays.
+    #[inline(never)]
     pub fn with_application(
         dictionary: D,
         settings: Settings,
@@ -121,10 +123,9 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
         }
     }
 
-    /// The same device on a controller that reaches these bit rates only; LSS refuses the others.
-    pub fn supporting(mut self, bit_rates: &[BitRate]) -> Self {
-        self.node = self.node.supporting(bit_rates);
-        self
+    /// Its controller reaches these bit rates only; LSS refuses the others.
+    pub fn support(&mut self, bit_rates: &[BitRate]) {
+        self.node.support(bit_rates);
     }
 
     /// Its actuator can do these modes (`Actuator::MODES`); 6060h refuses the others.
@@ -132,10 +133,9 @@ impl<D: Behaves, A: Application<D>> Device<D, A> {
         self.hooks.modes = modes;
     }
 
-    /// The same device with automatic bit rate detection ([`canopen::Node::detecting`]).
-    pub fn detecting(mut self) -> Self {
-        self.node = self.node.detecting();
-        self
+    /// With automatic bit rate detection ([`canopen::Node::detect`]).
+    pub const fn detect(&mut self) {
+        self.node.detect();
     }
 
     /// The bit rate of the network was found ([`canopen::Node::bit_rate_found`]), at power-on or later.

@@ -79,33 +79,23 @@ where
     A: Application<D>,
     S: Storage,
 {
-    /// A node that starts as `power_on` says, with what is stored, on a controller that makes these bit rates. `serial_number`
-    /// becomes object 1018h:4, unless production has given another.
+    /// A node that starts as `power_on` says, with what is stored. `serial_number` becomes object 1018h:4, unless production has given
+    /// another. [`Node::set_up`] comes next.
+    // Out of line, so that it is made where it stays.
+    #[inline(never)]
     pub fn new(
         dictionary: D,
         application: A,
         power_on: &PowerOn,
         serial_number: u32,
-        bit_rates: &[BitRate],
-        mut store: Option<S>,
+        store: Option<S>,
     ) -> Self {
         let bit_timing = power_on.bit_timing.value;
         let settings = Settings {
             node_id: power_on.node_id.value,
             bit_rate: (bit_timing.bit_rate()).unwrap_or(Settings::default().bit_rate),
         };
-        let produced = store.as_mut().and_then(Storage::serial_number);
-        let device = Device::with_application(dictionary, settings, serial_number, application)
-            .supporting(bit_rates)
-            .started(power_on)
-            .detecting()
-            .produced(produced);
-        let device = match store {
-            Some(_) => device.with_parameter_store(),
-            None => device,
-        };
         Self {
-            device,
             store,
             lost: 0,
             restarts: false,
@@ -117,6 +107,21 @@ where
             bit_timing,
             booted: false,
             next_signal: Instant::from_ticks(0),
+            // Last, as it is large: so it is made where it stays.
+            device: Device::with_application(dictionary, settings, serial_number, application),
+        }
+    }
+
+    /// Its controller makes these bit rates, and its actuator can do these modes (`Actuator::MODES`).
+    // Apart from `new`, as it works on the node where that stays.
+    pub fn set_up(&mut self, power_on: &PowerOn, bit_rates: &[BitRate], modes: u32) {
+        self.device.support(bit_rates);
+        self.device.start(power_on);
+        self.device.detect();
+        self.device.moved_by(modes);
+        if let Some(store) = &mut self.store {
+            self.device.produced_as(store.serial_number());
+            self.device.store_parameters_here();
         }
     }
 
@@ -133,11 +138,6 @@ where
     /// The object dictionary, for the firmware to put in what it has measured beside the drive.
     pub fn dictionary_mut(&mut self) -> &mut D {
         self.device.dictionary_mut()
-    }
-
-    /// Its actuator can do these modes (`Actuator::MODES`).
-    pub const fn moved_by(&mut self, modes: u32) {
-        self.device.moved_by(modes);
     }
 
     /// The object dictionary, and what the product does that is no data.

@@ -438,16 +438,15 @@ fn values() {
 fn main() -> ! {
     let mut exchange = Exchange::new();
     let machine = Machine::new([0; 64], [0; 64], &SCOPE as &'static Memory);
-    let mut device = Device::with_application(Dictionary::new(), any_settings(), any(), machine)
-        .with_parameter_store()
-        .detecting()
-        .started(&any_power_on())
-        .produced((any() == 0).then(any));
+    let mut device = Device::with_application(Dictionary::new(), any_settings(), any(), machine);
+    device.store_parameters_here();
+    device.detect();
+    device.start(&any_power_on());
+    device.produced_as((any() == 0).then(any));
     let mut outbox = Outbox::new();
-    let mut plain = Node::new(Everything(Dictionary::new()), any_settings())
-        .with_parameter_store()
-        .detecting()
-        .started(&any_power_on());
+    let mut plain = Node::new(Everything(Dictionary::new()), any_settings()).with_parameter_store();
+    plain.detect();
+    plain.start(&any_power_on());
     let mut commissioning = Commissioning::new();
     let mut shared = step_interrupt::Shared::new();
     let (mut queue, mut player) = step_interrupt::split(&mut shared, Timer, any_timing());

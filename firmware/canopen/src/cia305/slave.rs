@@ -74,7 +74,7 @@ pub const LONGEST_SILENCE: Duration = Duration::millis(1_000);
 pub struct Refused;
 
 /// The LSS slave of a device.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Slave {
     state: State,
     /// In force.

@@ -28,8 +28,13 @@ impl<D: Dictionary> Node<D> {
     /// The same device on a board that stores parameters. From now on every [`Node::boot`] waits for
     /// [`Node::load_parameters`], and 1010h and 1011h take their orders.
     pub fn with_parameter_store(mut self) -> Self {
-        self.services.parameters.support();
+        self.store_parameters_here();
         self
+    }
+
+    /// [`Node::with_parameter_store`] of a device that lies where it stays.
+    pub const fn store_parameters_here(&mut self) {
+        self.services.parameters.support();
     }
 
     /// Whether a boot waits for [`Node::load_parameters`].

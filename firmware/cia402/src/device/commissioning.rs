@@ -175,18 +175,15 @@ const fn timing<D: Dictionary>(index: u8) -> Option<BitTiming> {
 }
 
 impl<D: Behaves, A: Application<D>> Device<D, A> {
-    /// The same device after a power-on with these sources of node-ID and bit rate ([`canopen::Node::started`]); 5FF0h shows them.
-    pub fn started(mut self, power_on: &PowerOn) -> Self {
-        self.node = self.node.started(power_on);
+    /// It was powered on with these sources of node-ID and bit rate ([`canopen::Node::start`]); 5FF0h shows them.
+    pub fn start(&mut self, power_on: &PowerOn) {
+        self.node.start(power_on);
         self.sources = (power_on.node_id.source, power_on.bit_timing.source);
-        self
     }
 
-    /// The same device with the serial number that production has given to it, if it has: it goes before the one of
-    /// [`Device::new`].
-    pub fn produced(mut self, serial_number: Option<u32>) -> Self {
+    /// Production has given it this serial number, or none: it goes before the one of [`Device::new`].
+    pub fn produced_as(&mut self, serial_number: Option<u32>) {
         self.hooks.set_serial_number(serial_number);
-        self
     }
 
     /// Boot: the objects are at their power-on values.

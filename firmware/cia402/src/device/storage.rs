@@ -14,11 +14,10 @@ use crate::exchange::Share;
 const POWER_OFF_TIMEOUT: Duration = Duration::millis(50);
 
 impl<D: Behaves, A: Application<D>> Device<D, A> {
-    /// The same device on a board that stores parameters: the firmware calls [`Device::serve_store`].
-    pub fn with_parameter_store(mut self) -> Self {
-        self.node = self.node.with_parameter_store();
+    /// Its board stores parameters: the firmware calls [`Device::serve_store`].
+    pub const fn store_parameters_here(&mut self) {
+        self.node.store_parameters_here();
         self.hooks.commissioning.support();
-        self
     }
 
     /// Does what there is to do with the store: loads the parameters at a boot, takes one step of storing them. Call it after

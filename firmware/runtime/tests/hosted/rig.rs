@@ -257,7 +257,7 @@ impl Rig {
         };
         let dictionary = Dictionary::new();
         let mut rig = Self {
-            node: Node::new(dictionary, machine, &power_on, 7, Bus::BIT_RATES, store),
+            node: Node::new(dictionary, machine, &power_on, 7, store),
             control: Control::new(config, &SCOPE),
             around: Around {
                 exchange: Exchange::new(),
@@ -273,6 +273,7 @@ impl Rig {
                 lost: 0,
             },
         };
+        rig.node.set_up(&power_on, Bus::BIT_RATES, u32::MAX);
         rig.node.power_on(&mut rig.around, &mut rig.bus);
         rig
     }
