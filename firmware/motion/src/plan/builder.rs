@@ -32,11 +32,11 @@ impl Origin {
     pub(super) const fn steady(start: Ticks, from: Exact) -> Self {
         Self {
             start,
-            lead: Smooth::NONE,
+            lead: Smooth::new(None),
             begin: from.position,
             end: Instant::from(start),
             from,
-            is_sine: Smooth::NONE,
+            is_sine: Smooth::new(false),
         }
     }
 
@@ -168,7 +168,7 @@ impl<'a> PlanBuilder<'a> {
             position: self.travelled,
             velocity: speed.forwards(),
             half_acceleration: Q96::ZERO,
-            shape: Smooth::NONE,
+            shape: Smooth::new(Shape::Cubic(Q128::ZERO)),
         });
         self.go_on(time, distance.forwards());
     }
@@ -247,7 +247,7 @@ impl<'a> PlanBuilder<'a> {
     fn finish(self) -> Result<(), PlanError> {
         if self.is_full {
             self.plan.end = Ticks::MAX;
-            self.plan.order = Smooth::NONE;
+            self.plan.order = Smooth::new(None);
             return Err(PlanError::Internal);
         }
         self.plan.pieces.truncate(self.count);

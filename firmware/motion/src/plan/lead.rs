@@ -42,11 +42,11 @@ impl InitialState {
         Self {
             tick,
             from,
-            acceleration: Smooth::NONE,
-            sixth_jerk: Smooth::NONE,
-            order: Smooth::NONE,
-            ramp: Smooth::NONE,
-            leaves_ramp: Smooth::NONE,
+            acceleration: Smooth::new(Q96::ZERO),
+            sixth_jerk: Smooth::new(Q128::ZERO),
+            order: Smooth::new(None),
+            ramp: Smooth::new(None),
+            leaves_ramp: Smooth::new(false),
         }
     }
 
@@ -214,7 +214,7 @@ impl Plan {
                 start.sixth_jerk = Smooth::new(piece.sixth_jerk());
             }
             // No jerk has built it up: the ramp is linear, as one of a few ticks is.
-            _ if self.sixth_jerk.get().is_zero() => start.acceleration = Smooth::NONE,
+            _ if self.sixth_jerk.get().is_zero() => start.acceleration = Smooth::new(Q96::ZERO),
             _ => start.sixth_jerk = self.sixth_jerk,
         }
         start

@@ -83,8 +83,8 @@ impl Plan {
             entered: None,
             rest,
             last_ramp: start,
-            order: Smooth::NONE,
-            sixth_jerk: Smooth::NONE,
+            order: Smooth::new(None),
+            sixth_jerk: Smooth::new(Q128::ZERO),
         }
     }
 
@@ -282,7 +282,7 @@ impl Plan {
             Goal::Pass(target, end) => move_to::plan(self, clock, origin, (target, end), limits)?,
             Goal::Velocity(velocity) => velocity::plan(self, clock, origin, velocity, limits)?,
         }
-        self.sixth_jerk = Smooth::NONE;
+        self.sixth_jerk = Smooth::new(Q128::ZERO);
         let is_sine = *origin.is_sine.get();
         self.order = Smooth::new(is_sine.then_some((goal, limits, Ramps::SinSquared)));
         Ok(())

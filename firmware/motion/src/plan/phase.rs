@@ -33,7 +33,7 @@ impl Phase {
         position: PositionQ96::ZERO,
         velocity: Q96::ZERO,
         half_acceleration: Q96::ZERO,
-        sixth_jerk: Smooth::NONE,
+        sixth_jerk: Smooth::new(Q128::ZERO),
     };
 
     /// A parabola that begins in a state, with half of an acceleration.

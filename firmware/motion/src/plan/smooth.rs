@@ -39,32 +39,19 @@ impl OfLinear for Option<Piece> {
 
 /// A value that smooth ramps have; without them, that of linear ones.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Smooth<T>(
-    #[cfg(any(feature = "sin-squared", feature = "limited-jerk"))] T,
-    #[cfg(not(any(feature = "sin-squared", feature = "limited-jerk")))]
-    core::marker::PhantomData<T>,
-);
+pub(crate) struct Smooth<T>([T; SMOOTH as usize]);
 
 impl<T: OfLinear> Smooth<T> {
-    /// What linear ramps have.
-    pub(crate) const NONE: Self = Self::new(*T::OF_LINEAR);
-
     #[inline]
     pub(crate) const fn new(value: T) -> Self {
-        #[cfg(any(feature = "sin-squared", feature = "limited-jerk"))]
-        return Self(value);
-        #[cfg(not(any(feature = "sin-squared", feature = "limited-jerk")))]
-        return {
-            let _ = value;
-            Self(core::marker::PhantomData)
-        };
+        Self([value; SMOOTH as usize])
     }
 
     #[inline]
     pub(crate) const fn get(&self) -> &T {
-        #[cfg(any(feature = "sin-squared", feature = "limited-jerk"))]
-        return &self.0;
-        #[cfg(not(any(feature = "sin-squared", feature = "limited-jerk")))]
-        return T::OF_LINEAR;
+        match self.0.as_slice() {
+            [value, ..] => value,
+            [] => T::OF_LINEAR,
+        }
     }
 }

@@ -113,7 +113,7 @@ impl PlanBuilder<'_> {
             position: target - mean.distance(ramp.exit),
             velocity: ramp.end - with_sign(gain.forwards(), ramp.falls),
             half_acceleration: with_sign(ramp.most, ramp.falls).halved(),
-            shape: Smooth::NONE,
+            shape: Smooth::new(Shape::Cubic(Q128::ZERO)),
             ..entry
         };
         self.add(hold, ramp.hold);
