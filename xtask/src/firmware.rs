@@ -119,8 +119,9 @@ impl Image {
     /// When cargo does not tell where the sources of the libraries are.
     pub fn build_command(self) -> Result<Command> {
         let mut command = place::cargo();
+        let for_size = self.profile() == COMPACT;
         command.args([
-            "build",
+            if for_size { "rustc" } else { "build" },
             "--profile",
             self.profile(),
             "--package",
@@ -135,6 +136,9 @@ impl Image {
             command.env("AXIS402_EDS", "eds/compact.eds");
         }
         command.arg("--config").arg(neutral_paths()?);
+        if for_size {
+            command.arg("--").args(options_for_size()?);
+        }
         Ok(command)
     }
 
@@ -191,6 +195,17 @@ impl Image {
         fs::rename(&kept, &own).with_context(|| format!("renaming {}", kept.display()))?;
         Ok(own)
     }
+}
+
+/// What `cargo compact` tells the compiler.
+fn options_for_size() -> Result<Vec<String>> {
+    let file = place::root().join(".cargo/config.toml");
+    let text = fs::read_to_string(&file).with_context(|| format!("reading {}", file.display()))?;
+    let alias = text.lines().find(|line| line.starts_with("compact = "));
+    let (_, options) = alias
+        .and_then(|alias| alias.trim_end_matches('"').split_once(" -- "))
+        .context("`cargo compact` has no options for the compiler")?;
+    Ok(options.split(' ').map(str::to_owned).collect())
 }
 
 /// The setting for cargo that keeps the paths of whoever builds out of flash. Where a library may panic, its image holds
@@ -330,6 +345,19 @@ mod tests {
         // Half a file.
         assert!(!is_arm_program(&program()[..86]));
         assert!(!is_arm_program(b""));
+    }
+
+    #[test]
+    fn an_image_for_size_is_built_as_cargo_compact_builds_it() {
+        let command = Image::Compact.build_command().unwrap();
+        let words: Vec<_> = command
+            .get_args()
+            .filter_map(|word| word.to_str())
+            .collect();
+        assert_eq!(words.first(), Some(&"rustc"));
+        let options = options_for_size().unwrap();
+        assert!(options.len() > 1 && options.len() % 2 == 0, "{options:?}");
+        assert!(words.ends_with(&options.iter().map(String::as_str).collect::<Vec<_>>()));
     }
 
     #[test]
