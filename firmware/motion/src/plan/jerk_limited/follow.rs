@@ -7,7 +7,7 @@ use super::Rules;
 use super::number::Number;
 use super::ramp::{Motion, Ramp, VirtualStart, third};
 use super::rough::Kind;
-use crate::exact::{DistanceQ96, PositionQ96, Q96, TicksQ32, with_sign};
+use crate::exact::{DistanceQ96, PositionQ96, Q96, Q128, TicksQ32, with_sign};
 use crate::plan::PlanError;
 use crate::plan::builder::PlanBuilder;
 use crate::plan::piece::{Piece, Shape};
