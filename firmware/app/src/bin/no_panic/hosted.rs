@@ -33,9 +33,10 @@ impl Hosted {
         };
         let power_on = power_up.choose(&mut store, AnyController::BIT_RATES);
         let machine = Machine::new([0; 64], [0; 64], &SCOPE as &'static Memory);
-        let rates = AnyController::BIT_RATES;
+        let mut node = Node::new(Dictionary::new(), machine, &power_on, any(), store);
+        node.set_up(&power_on, AnyController::BIT_RATES, any());
         Self {
-            node: Node::new(Dictionary::new(), machine, &power_on, any(), rates, store),
+            node,
             control: Axis402::control(config),
             panel: Panel::new(AnyLights),
             around: Around(Exchange::new()),
