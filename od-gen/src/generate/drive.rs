@@ -121,6 +121,8 @@ fn features(
         power_stage,
         scope,
         units,
+        cubic_interpolation,
+        positioning_options,
     } = Features::of(&offered, u32::try_from(modes).unwrap_or(0), scope);
     format!(
         "    const DRIVE: ::cia402::Features = ::cia402::Features {{
@@ -132,6 +134,8 @@ fn features(
         power_stage: {power_stage},
         scope: {scope},
         units: {units},
+        cubic_interpolation: {cubic_interpolation},
+        positioning_options: {positioning_options},
     }};\n"
     )
 }

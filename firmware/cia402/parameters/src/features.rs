@@ -70,6 +70,10 @@ pub struct Features {
     pub scope: bool,
     /// 607Bh, 607Eh, or an object of the factor group. Without them a unit is an increment.
     pub units: bool,
+    /// 60C0h. Without it the way between set-points is a straight line.
+    pub cubic_interpolation: bool,
+    /// 60F2h.
+    pub positioning_options: bool,
 }
 
 impl Features {
@@ -83,6 +87,8 @@ impl Features {
         power_stage: true,
         scope: true,
         units: true,
+        cubic_interpolation: true,
+        positioning_options: true,
     };
 
     /// Those of a drive with these parameters, with this 6502h, and with or without a scope.
@@ -105,6 +111,8 @@ impl Features {
                 || has(Parameter::OverTemperatureFault),
             scope,
             units: UNITS.into_iter().any(has),
+            cubic_interpolation: has(Parameter::InterpolationSubMode),
+            positioning_options: has(Parameter::PositioningOptionCode),
         }
     }
 }

@@ -21,13 +21,16 @@ use motion::{Limits, Speed};
 
 use super::{Context, Types};
 use acceleration::{MaxChange, SetPoints};
-use period::{away, distance_at, distance_q16, may_brake_behind, over, slope, to, whole};
+use period::{
+    away, distance_at, distance_q16, is_monotone, may_brake_behind, over, slope, to, whole,
+};
 
 pub(super) use period::{braking_distance, gain, seconds};
 
 use crate::actuator::Actuator;
 use crate::cyclic::{MicrosQ16, Slot};
 use crate::motor::{Motor, REACH};
+use crate::objects::Objects;
 use crate::option_codes::StopRamp;
 use crate::travel::Travel;
 
@@ -140,13 +143,14 @@ impl Following {
     }
 
     /// Carries out the set-point of a slot, in increments, or bridges it.
-    pub(super) fn take(
+    pub(super) fn take<P: Types>(
         &mut self,
         slot: Slot,
         target: Option<i64>,
-        context: &mut Context<'_, impl Types>,
+        context: &mut Context<'_, P>,
     ) -> Outcome {
-        let is_cubic = context.configuration.cyclic.is_cubic;
+        let is_cubic =
+            P::Objects::DRIVE.cubic_interpolation && context.configuration.cyclic.is_cubic;
         let end = slot.due(context.pipeline, is_cubic);
         if context.motor.is_at_rest() {
             if !self.is_active && target.is_none() {
@@ -173,7 +177,7 @@ impl Following {
             self.is_limited = Some(goal) != target;
             return Outcome::Followed;
         }
-        let Some(segment) = self.begin_segment(end, slot.period, context.motor) else {
+        let Some(segment) = self.begin_segment::<P>(end, slot.period, context.motor) else {
             // What was given before the period changed lasts that long.
             if let Some(goal) = goal {
                 self.head_for(goal);
@@ -210,7 +214,7 @@ impl Following {
         } else {
             self.set_points.keep(whole(knot.at));
         }
-        self.give(knot, before, is_cubic && segment.is_in_step, context.motor);
+        self.give::<P>(knot, before, is_cubic && segment.is_in_step, context.motor);
         self.at = knot.at;
         Outcome::Followed
     }
@@ -243,15 +247,15 @@ impl Following {
     }
 
     /// Finds where the motion to a set-point that is due at `end` begins, and the velocity there; `None` if there is no time for it.
-    fn begin_segment(
+    fn begin_segment<P: Types>(
         &mut self,
         end: MicrosQ16,
         period: MicrosQ16,
-        motor: &mut Motor<impl Actuator>,
+        motor: &mut Motor<P::Actuator>,
     ) -> Option<SegmentTiming> {
         let is_steady = |interval: MicrosQ16| interval.abs_diff(period) <= period / 4;
         let mut path = motor.path_to(end);
-        if let Some(waiting) = self.waiting {
+        if let Some(waiting) = self.waiting::<P>() {
             let interval = end.wrapping_sub(waiting.end);
             let is_there = away(waiting.at.wrapping_sub(waiting.distance), path.position) == 0;
             if is_there && is_steady(interval) {
@@ -421,10 +425,22 @@ impl Following {
         distance.max(max.wrapping_neg()).min(max)
     }
 
+    /// The set-point that waits for the next one, for a cubic.
+    fn waiting<P: Types>(&self) -> Option<Knot> {
+        self.waiting
+            .filter(|_| P::Objects::DRIVE.cubic_interpolation)
+    }
+
     /// Gives a set-point to the axis; on a cubic the one before it. What the axis does not take, the next distance makes up for.
-    fn give(&mut self, knot: Knot, before: i64, is_cubic: bool, motor: &mut Motor<impl Actuator>) {
+    fn give<P: Types>(
+        &mut self,
+        knot: Knot,
+        before: i64,
+        is_cubic: bool,
+        motor: &mut Motor<P::Actuator>,
+    ) {
         let stands = before == 0 && knot.distance == 0;
-        let Some(waiting) = self.waiting else {
+        let Some(waiting) = self.waiting::<P>() else {
             if stands {
                 return;
             }
@@ -458,17 +474,6 @@ fn ramps(seconds: u64, context: &Context<'_, impl Types>) -> (i64, i64) {
     });
     let up = gain(limits.acceleration, seconds);
     (up, gain(limits.deceleration, seconds))
-}
-
-/// Whether a cubic that begins and ends with these velocities goes on in its direction all along, and no faster than it may.
-const fn is_monotone(first: i64, last: i64, knot: Knot) -> bool {
-    let sign = knot.distance.signum();
-    let distance = knot.distance.saturating_abs();
-    let (first, last) = (first.saturating_mul(sign), last.saturating_mul(sign));
-    let (within, max) = (distance.saturating_mul(3), knot.max_distance);
-    // The middle one of the three points that span the velocity.
-    let middle = within.saturating_sub(first).saturating_sub(last);
-    0 <= first && first <= within && last <= within && first <= max && last <= max && middle <= max
 }
 
 /// Twice a unit of the user and an increment: what rounding four ends may make of the difference between two distances.

@@ -4,7 +4,7 @@
 
 use motion::{Position, Speed, low};
 
-use super::POINT;
+use super::{Knot, POINT};
 use crate::cyclic::MicrosQ16;
 
 /// How far the axis is from a position.
@@ -115,4 +115,20 @@ pub(super) fn isqrt(square: u128) -> u64 {
     let wide = 64u32.saturating_sub((square >> 64).leading_zeros().saturating_sub(64));
     let shift = wide.div_ceil(2).wrapping_mul(2);
     u64::from(motion::isqrt(low::u64(square >> shift))).wrapping_shl(shift / 2)
+}
+
+/// Whether a cubic that begins and ends with these velocities goes on in its direction all along, and no faster than it may.
+pub(super) const fn is_monotone(first: i64, last: i64, knot: Knot) -> bool {
+    let sign = knot.distance.signum();
+    let distance = knot.distance.saturating_abs();
+    let (first, last) = (first.saturating_mul(sign), last.saturating_mul(sign));
+    let (within, max) = (distance.saturating_mul(3), knot.max_distance);
+    // The middle one of the three points that span the velocity.
+    let middle = within.saturating_sub(first).saturating_sub(last);
+    0 <= first
+        && first <= within
+        && last <= within
+        && first <= max
+        && last <= max
+        && middle <= max
 }

@@ -7,6 +7,7 @@ use crate::commands;
 use crate::controlword::{CHANGE_IMMEDIATELY, CHANGE_ON_SET_POINT, RELATIVE};
 use crate::modes::{Context, Types};
 use crate::motor::REACH;
+use crate::objects::Objects;
 use crate::units::Rotation;
 
 impl ProfilePosition {
@@ -103,24 +104,29 @@ impl ProfilePosition {
     }
 
     /// The target that is asked for, in units of the user, on the count that goes on behind the ends of 607Bh. `here` is its base.
-    fn wanted(
+    fn wanted<P: Types>(
         &self,
         given: commands::SetPoint,
-        context: &mut Context<'_, impl Types>,
+        context: &mut Context<'_, P>,
         waits: bool,
         here: i64,
     ) -> i64 {
         let units = context.units();
         let asked = i64::from(given.target_position);
+        let options = if P::Objects::DRIVE.positioning_options {
+            given.positioning_option
+        } else {
+            0
+        };
         if given.controlword & RELATIVE != 0 {
-            let base = match given.positioning_option & RELATIVE_TO {
+            let base = match options & RELATIVE_TO {
                 1 => here,
                 2 if !waits => context.frame.position(context.position, units),
                 _ => self.previous(context),
             };
             return base.saturating_add(asked);
         }
-        let rotation = Rotation::of(given.positioning_option);
+        let rotation = Rotation::of(options);
         if waits || rotation == Rotation::Linear {
             return units.range().target(asked, here, rotation);
         }
