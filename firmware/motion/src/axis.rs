@@ -449,7 +449,7 @@ impl Axis {
         let mut state = self.stepper.state();
         if !self.stepper.is_on_polynomial() {
             // Where the mean stands it is where the plan stands, and the plan is followed.
-            self.is_averaged &= !self.average.is_over();
+            self.is_averaged &= !self.average.is_over(horizon);
             if self.end().is_some_and(|end| end <= horizon) {
                 let stands = self.exact_at(horizon);
                 state = State {

@@ -12,7 +12,7 @@
 //! Positions wrap, and so do the distances between them. Nothing else overflows: plain operators, which debug builds check.
 
 use crate::low;
-use core::ops::{Add, Neg, Sub};
+use core::ops::{Add, Neg, Shr, Sub};
 
 /// A position in steps, or the distance from one to another: 96 bits behind the point, modulo 2³².
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -47,11 +47,6 @@ impl PositionQ96 {
     }
 
     #[inline]
-    pub(crate) const fn is_zero(self) -> bool {
-        self.0 == 0
-    }
-
-    #[inline]
     pub(crate) const fn from_bits(bits: i128) -> Self {
         Self(bits)
     }
@@ -73,8 +68,13 @@ impl PositionQ96 {
     }
 
     /// The velocity at which a distance takes so many ticks, of which this is the reciprocal, Q64.
-    pub(crate) const fn per_tick(self, reciprocal: u64) -> Q96 {
+    pub(crate) fn per_tick(self, reciprocal: u64) -> Q96 {
         Q96(part(self.0, reciprocal))
+    }
+
+    /// self · factor / 2⁶⁴.
+    pub(crate) fn part(self, factor: u64) -> Self {
+        Self(part(self.0, factor))
     }
 
     pub(crate) const fn halved(self) -> Self {
@@ -184,7 +184,7 @@ impl Q96 {
     }
 
     /// self · factor / 2⁶⁴.
-    pub(crate) const fn part(self, factor: u64) -> Self {
+    pub(crate) fn part(self, factor: u64) -> Self {
         Self(part(self.0, factor))
     }
 
@@ -225,6 +225,15 @@ impl Neg for Q96 {
     #[inline]
     fn neg(self) -> Self {
         Self(-self.0)
+    }
+}
+
+impl Shr<u32> for Q96 {
+    type Output = Self;
+
+    #[inline]
+    fn shr(self, bits: u32) -> Self {
+        Self(self.0 >> bits)
     }
 }
 
@@ -324,7 +333,7 @@ impl Q128 {
     }
 
     /// self · factor / 2⁶⁴.
-    pub(crate) const fn part(self, factor: u64) -> Self {
+    pub(crate) fn part(self, factor: u64) -> Self {
         Self(part(self.0, factor))
     }
 
@@ -349,6 +358,15 @@ impl Neg for Q128 {
     #[inline]
     fn neg(self) -> Self {
         Self(-self.0)
+    }
+}
+
+impl Shr<u32> for Q128 {
+    type Output = Self;
+
+    #[inline]
+    fn shr(self, bits: u32) -> Self {
+        Self(self.0 >> bits)
     }
 }
 
@@ -460,10 +478,10 @@ pub(crate) fn product_q32(value: u128, factor: u128) -> u128 {
 }
 
 /// ⌊value · factor / 2⁶⁴⌋.
-#[allow(clippy::cast_lossless, reason = "From is not const; the casts widen")]
-const fn part(value: i128, factor: u64) -> i128 {
-    let low = (low::u64(value.cast_unsigned()) as u128).wrapping_mul(factor as u128) >> 64;
+#[inline(never)]
+fn part(value: i128, factor: u64) -> i128 {
+    let low = u128::from(low::u64(value.cast_unsigned())).wrapping_mul(factor.into()) >> 64;
     (value >> 64)
-        .wrapping_mul(factor as i128)
+        .wrapping_mul(factor.into())
         .wrapping_add(low.cast_signed())
 }

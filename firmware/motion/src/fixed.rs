@@ -33,11 +33,6 @@ impl Position {
         self.0.wrapping_add(1 << 31) >> 32
     }
 
-    /// The position nearest to an exact one.
-    pub(crate) const fn nearest(exact: PositionQ96) -> Self {
-        Self((exact.bits().wrapping_add(1 << 63) >> 64) as i64)
-    }
-
     /// Rounds towards zero, which treats both directions alike.
     pub(crate) const fn from_exact(exact: PositionQ96) -> Self {
         let magnitude = (exact.bits().unsigned_abs() >> 64) as i64;

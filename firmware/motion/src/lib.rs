@@ -19,8 +19,8 @@
 //! | phase | a stretch of a plan with constant acceleration or constant jerk |
 //! | corner | the tick at which one phase or path segment ends and the next begins |
 //! | ramp | a change of velocity: linear, sin², with limited jerk, or the moving average of a linear one |
-//! | mean | the moving average of a plan over a *window* of time, taken from samples on a *grid* |
-//! | junction | the tick at which the plan below a mean may change: up to there it has been sampled |
+//! | mean | the moving average of a plan over a *window* of time |
+//! | run | a parabola of the plan below a mean, kept until it has left the window |
 //! | path | set-points with their ticks, as cyclic modes give them; from one to the next is a *path segment* |
 //! | polynomial | of degree 3 at most, up to an end tick: what every trajectory comes as |
 //! | piece | a ramp or a cruise of a plan, as the plan keeps it until one of its phases is entered |

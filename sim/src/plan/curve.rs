@@ -2,12 +2,6 @@
 
 use motion::{Axis, AxisConfig, Clock, Mean, Phase, Plan, State, Ticks};
 
-/// So many curves between samples are kept; what needs more of them has ramps that last for an hour.
-const MOST_CURVES: usize = 4_000_000;
-
-/// A change of the acceleration by less than this part of the greatest one is rounding.
-const ROUNDING: f64 = 1e-5;
-
 /// What the axis follows.
 pub(super) struct Curve {
     /// The axis at the first tick of the move.
@@ -33,20 +27,17 @@ impl Curve {
     }
 
     /// That of the mean that `axis` is about to follow. The plan stands where the mean comes to rest.
-    pub(super) fn averaged(axis: Axis, mut mean: Mean) -> Result<Self, String> {
+    pub(super) fn averaged(axis: Axis, mut mean: Mean) -> Self {
         let rest = axis.target();
-        let curves: Vec<_> = mean.by_ref().take(MOST_CURVES).collect();
-        if curves.len() == MOST_CURVES {
-            return Err("the ramps take too long for a moving average".to_owned());
-        }
+        let curves = mean.by_ref().collect();
         let end = mean.until();
-        Ok(Self {
+        Self {
             axis,
             plan: Plan::at_rest(rest, end),
             curves,
             until: end,
             is_mean: true,
-        })
+        }
     }
 
     /// Of a mean: the tick from which it stands.
@@ -59,7 +50,7 @@ impl Curve {
         curve.map_or_else(|| self.plan.state_at(tick), |phase| phase.state_at(tick))
     }
 
-    /// The first ticks of all its curves.
+    /// The first ticks of its phases: of constant acceleration or jerk.
     pub(super) fn corners(&self) -> Vec<Ticks> {
         self.curves.iter().map(Phase::start).collect()
     }
@@ -88,39 +79,5 @@ impl Curve {
     pub(super) fn acceleration_at(&self, clock: Clock, tick: Ticks) -> f64 {
         self.curve(tick)
             .map_or(0.0, |phase| phase.acceleration_at(clock, tick) as f64)
-    }
-
-    /// The first ticks of its phases: of constant acceleration or jerk; of a mean, where that begins or ends to grow or to fall.
-    pub(super) fn phases(&self, clock: Clock) -> Vec<Ticks> {
-        if !self.is_mean {
-            return self.corners();
-        }
-        let accelerations: Vec<_> = (self.curves.iter())
-            .map(|phase| phase.acceleration(clock) as f64)
-            .collect();
-        let least = accelerations
-            .iter()
-            .fold(0.0_f64, |most, a| most.max(a.abs()))
-            * ROUNDING;
-        let ends = self.curves.iter().skip(1).map(Phase::start);
-        let ends = ends.chain([self.until]);
-        let mut starts = Vec::new();
-        let (mut before, mut trend, mut last) = (0.0, None, Ticks::MAX);
-        for ((phase, end), acceleration) in self.curves.iter().zip(ends).zip(accelerations) {
-            let change: f64 = acceleration - before;
-            let length = end.saturating_sub(phase.start());
-            // A cruise is one long curve between two ramps of many short ones.
-            let is_cruise = acceleration.abs() <= least && length / 2 > last;
-            let now = if change.abs() <= least || is_cruise {
-                0.0
-            } else {
-                change.signum()
-            };
-            if trend != Some(now) {
-                starts.push(phase.start());
-            }
-            (before, trend, last) = (acceleration, Some(now), length);
-        }
-        starts
     }
 }

@@ -152,7 +152,7 @@ impl Report {
     pub(super) fn of(planned: &Move, played: &Played) -> Self {
         let rate = f64::from(planned.clock.hz());
         let seconds = |ticks: Ticks| ticks as f64 / rate;
-        let starts: Vec<Ticks> = (planned.curve.phases(planned.clock).into_iter())
+        let starts: Vec<Ticks> = (planned.curve.corners().into_iter())
             .filter(|start| *start < planned.end)
             .collect();
         let ends = starts.iter().skip(1).copied().chain([planned.end]);
@@ -237,7 +237,7 @@ pub(super) fn plot(planned: &Move, path: &Path) -> Result<(), String> {
     let mut ticks: Vec<Ticks> = (0..=POINTS)
         .map(|point| (u128::from(planned.end) * u128::from(point) / u128::from(POINTS)) as Ticks)
         .collect();
-    for start in planned.curve.phases(planned.clock) {
+    for start in planned.curve.corners() {
         ticks.extend([start.saturating_sub(1), start]);
     }
     ticks.retain(|tick| *tick <= planned.end);

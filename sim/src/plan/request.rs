@@ -117,7 +117,7 @@ impl Move {
             moved.map_err(|error| error.to_string())?;
             match mover.mean() {
                 Some(mean) => {
-                    let curve = Curve::averaged(mover, mean)?;
+                    let curve = Curve::averaged(mover, mean);
                     end = curve.end();
                     curve
                 }

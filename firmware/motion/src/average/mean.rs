@@ -28,10 +28,10 @@ impl Iterator for Mean {
     type Item = Phase;
 
     fn next(&mut self) -> Option<Phase> {
-        if self.average.until == Ticks::MAX || self.average.is_over() {
+        let until = self.average.until;
+        if until == Ticks::MAX || self.average.is_over(until) {
             return None;
         }
-        let until = self.average.until;
         self.average.polynomial_at(&self.plan, until);
         Some(self.average.phase())
     }

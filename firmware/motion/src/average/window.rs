@@ -5,19 +5,14 @@ use crate::divide::div_rem;
 use crate::low;
 use crate::plan::Limits;
 
-/// Samples that are kept: 4 KiB.
-pub(super) const SAMPLES: usize = 512;
-
-/// Over how much time a mean is taken.
+/// Over how many ticks a mean is taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Window {
-    /// Intervals of the grid, at most [`SAMPLES`].
-    pub(super) count: u16,
-    /// Ticks from one sample to the next.
-    pub(super) grid: u32,
-}
+pub(crate) struct Window(u32);
 
 impl Window {
+    /// One tick.
+    pub(super) const SHORTEST: Self = Self(1);
+
     /// The longest one, in ticks: 6.4 s at 168 MHz.
     const LONGEST: u32 = 1 << 30;
 
@@ -29,25 +24,18 @@ impl Window {
         Self::of(low::u32(ticks.min(Self::LONGEST.into())), time_slice)
     }
 
-    /// A window of so many ticks, or a few more: at most [`SAMPLES`] of them. At least a time slice.
+    /// A window of so many ticks. At least a time slice.
     pub(crate) fn of(ticks: u32, time_slice: u32) -> Self {
-        let time_slice = time_slice.max(1);
-        let ticks = ticks.max(time_slice);
-        let count = ticks.div_ceil(time_slice).min(low::word(SAMPLES));
-        let grid = ticks.div_ceil(count.max(1));
-        Self {
-            count: low::u16(count),
-            grid,
-        }
+        Self(ticks.max(time_slice).max(1))
     }
 
     /// In ticks.
-    pub(crate) fn ticks(&self) -> u32 {
-        u32::from(self.count) * self.grid
+    pub(crate) const fn ticks(self) -> u32 {
+        self.0
     }
 
     /// The jerk where the deceleration follows the acceleration without a cruise, in steps/s³.
-    pub(crate) fn jerk(&self, clock: Clock, acceleration: u32, deceleration: u32) -> u32 {
+    pub(crate) fn jerk(self, clock: Clock, acceleration: u32, deceleration: u32) -> u32 {
         let change = u64::from(acceleration).saturating_add(deceleration.into());
         let (jerk, _) = div_rem(change.saturating_mul(clock.hz().into()), self.ticks());
         u32::try_from(jerk).unwrap_or(u32::MAX)

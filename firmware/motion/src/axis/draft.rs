@@ -24,7 +24,7 @@ pub struct Draft {
     acceleration: u32,
     mean_jerk: u32,
     ramps: Ramps,
-    /// The motion at the commit horizon; that of the plan at its junction, if its mean goes on along another one.
+    /// The motion at the commit horizon; that of the plan, if its mean goes on along another one.
     start: InitialState,
     /// The window of that mean.
     kept: Option<Window>,
@@ -260,10 +260,7 @@ impl Axis {
                 None if !goes_on => self.mean_start(horizon),
                 None => match fresh {
                     Some(begin) => InitialState::steady(horizon, begin),
-                    None => {
-                        let junction = self.average.junction(horizon);
-                        InitialState::steady(junction, self.plan.exact_at(junction))
-                    }
+                    None => InitialState::steady(horizon, self.plan.exact_at(horizon)),
                 },
             },
         }
@@ -284,9 +281,7 @@ impl Axis {
     #[inline(never)]
     pub fn install(&mut self, draft: &Draft, plan: &Plan) -> bool {
         let horizon = self.horizon();
-        let is_at_junction = draft.kept.is_none()
-            || self.is_averaged && self.average.junction(horizon) == draft.start.tick;
-        if draft.horizon != horizon || !is_at_junction {
+        if draft.horizon != horizon || draft.kept.is_some() && !self.is_averaged {
             return false;
         }
         if !matches!(draft.next, Next::Same) {
@@ -301,7 +296,7 @@ impl Axis {
         self.stepper.leave();
         match draft.next {
             Next::Same | Next::Plan => {}
-            Next::SameMean => self.average.rejoin(&mut self.plan),
+            Next::SameMean => self.average.rejoin(draft.horizon),
             Next::Mean(window, mean) => self.average.begin(window, draft.horizon, mean),
         }
         self.is_averaged = matches!(draft.next, Next::SameMean | Next::Mean(..));

@@ -5,7 +5,6 @@
 //! long the phase; a cruise that never ends needs no new anchor. The coefficient of a cubic is Q128: over the time that a jerk lasts, its
 //! rounding does not show.
 
-use super::smooth::Smooth;
 use crate::clock::{Clock, Ticks};
 use crate::exact::{PositionQ96, Q96, Q128};
 use crate::fixed::{Exact, State};
@@ -23,7 +22,7 @@ pub struct Phase {
     position: PositionQ96,
     velocity: Q96,
     half_acceleration: Q96,
-    sixth_jerk: Smooth<Q128>,
+    sixth_jerk: Q128,
 }
 
 impl Phase {
@@ -33,7 +32,7 @@ impl Phase {
         position: PositionQ96::ZERO,
         velocity: Q96::ZERO,
         half_acceleration: Q96::ZERO,
-        sixth_jerk: Smooth::new(Q128::ZERO),
+        sixth_jerk: Q128::ZERO,
     };
 
     /// A parabola that begins in a state, with half of an acceleration.
@@ -49,7 +48,7 @@ impl Phase {
     }
 
     /// A polynomial of degree 3 that is at `position` with `velocity` at its anchor; half of the acceleration there, and a sixth of the jerk.
-    pub(super) const fn cubic(
+    pub(crate) const fn cubic(
         (start, anchor): (Ticks, Ticks),
         position: PositionQ96,
         velocity: Q96,
@@ -61,7 +60,7 @@ impl Phase {
             position,
             velocity,
             half_acceleration,
-            sixth_jerk: Smooth::new(sixth_jerk),
+            sixth_jerk,
         }
     }
 
@@ -98,7 +97,7 @@ impl Phase {
     }
 
     fn half_acceleration_at(&self, t: Ticks) -> Q96 {
-        let rise = self.sixth_jerk.get().even_gain(self.since_anchor(t));
+        let rise = self.sixth_jerk.even_gain(self.since_anchor(t));
         self.half_acceleration + rise.doubled() + rise
     }
 
@@ -112,7 +111,7 @@ impl Phase {
     pub(crate) fn at(&self, t: Ticks) -> Exact {
         let n = self.since_anchor(t);
         // Most of the time is spent in cruises, and wide products take long.
-        let (half, rise) = match (*self.sixth_jerk.get(), self.half_acceleration) {
+        let (half, rise) = match (self.sixth_jerk, self.half_acceleration) {
             (Q128::ZERO, half) => (half, Q96::ZERO),
             (sixth_jerk, half) => {
                 let rise = sixth_jerk.even_gain(n);
@@ -137,7 +136,7 @@ impl Phase {
     pub(crate) fn polynomial(&self, t: Ticks, end: Ticks) -> Polynomial {
         Polynomial {
             half: self.half_acceleration_at(t),
-            sixth: *self.sixth_jerk.get(),
+            sixth: self.sixth_jerk,
             ..Polynomial::line(end, self.at(t))
         }
     }
@@ -150,15 +149,5 @@ impl Phase {
     /// Half of the acceleration at the anchor; of a parabola, that everywhere.
     pub(crate) const fn half_acceleration(&self) -> Q96 {
         self.half_acceleration
-    }
-
-    /// Whether it is one parabola, so that the longest chord is the same everywhere.
-    pub(crate) const fn is_parabola(&self) -> bool {
-        self.sixth_jerk.get().is_zero()
-    }
-
-    /// Whether its velocity is constant.
-    pub(crate) const fn is_line(&self) -> bool {
-        self.is_parabola() && self.half_acceleration.is_zero()
     }
 }

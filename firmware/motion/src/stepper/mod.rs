@@ -309,12 +309,13 @@ impl Stepper {
             return;
         };
         // To the first crossing from the beginning, and from the last one to the end.
+        // Where another polynomial begins a hair before a crossing that was passed, that is not the next one.
         let to_first = (1_i64 << 32).saturating_sub(self.beyond(from, mask));
         let to_first = to_first.max(0).cast_unsigned();
         let rate = speed(&self.polynomial);
         let (first, back) = if let Some(first_rate) = first_rate {
             (
-                over(low::u32(to_first), first_rate),
+                over(u32::try_from(to_first).unwrap_or(u32::MAX), first_rate),
                 over(low::u32(beyond.cast_unsigned()), rate),
             )
         } else {

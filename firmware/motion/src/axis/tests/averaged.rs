@@ -63,14 +63,13 @@ fn check(id: &str, chosen: f64) {
         .find(|v| v.name.starts_with(id))
         .unwrap();
     let window = f64::from(v.acceleration) / f64::from(v.jerk);
-    // The end is a sample later at most: a time slice of 250 µs, or a 512th of the window if that is longer.
-    let late = |taken: f64, exact: f64, window: f64| {
-        let late = (taken - exact) / (window / 512.0).max(1.0 / 4000.0);
-        assert!((-0.001..1.01).contains(&late), "{id}: {late} samples late");
+    let late = |taken: f64, exact: f64| {
+        let late = (taken - exact) * f64::from(HZ);
+        assert!((-2.0..3.0).contains(&late), "{id}: {late} ticks late");
     };
-    late(seconds(&v, Some(window)), v.averaged, window);
+    late(seconds(&v, Some(window)), v.averaged);
     let longer = (chosen - 1.0) * window;
-    late(seconds(&v, None), v.averaged + longer, window + longer);
+    late(seconds(&v, None), v.averaged + longer);
 }
 
 #[test]

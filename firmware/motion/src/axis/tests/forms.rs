@@ -51,15 +51,10 @@ fn steps(state: State) -> f64 {
     state.position.bits() as f64 / 2f64.powi(32)
 }
 
-/// A mean is a sample late at most, and a sample is a time slice here.
+/// Ends are rounded to ticks.
 fn assert_end(form: Ramps, real: Ticks, wanted: f64) {
     let late = real as f64 - wanted;
-    let most = if let Ramps::MovingAverage(_) = form {
-        f64::from(HZ / 4000) + 4.0
-    } else {
-        4.0
-    };
-    assert!((-4.0..=most).contains(&late), "{form:?}: {late} ticks late");
+    assert!(late.abs() <= 4.0, "{form:?}: {late} ticks late");
 }
 
 /// With the vectors that a motor makes in minutes; T09 and T10 are cruises of an hour.
@@ -239,13 +234,9 @@ fn every_vector_is_played_with_each_form() {
     assert_eq!(a_move("T19").v0, 0);
 }
 
-/// Where the next plan begins: at the commit horizon, and of a mean at the next sample of its plan.
+/// Where the next plan begins: at the commit horizon.
 fn junction(axis: &Axis) -> (Ticks, f64) {
-    let at = if axis.is_averaged {
-        axis.average.junction(axis.horizon())
-    } else {
-        axis.horizon()
-    };
+    let at = axis.horizon();
     (at, steps(axis.plan.state_at(at)))
 }
 

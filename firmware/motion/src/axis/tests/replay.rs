@@ -28,7 +28,7 @@ impl Curve {
         }
         let mut average = axis.average.clone();
         let mut phases: Vec<_> = [average.phase()].into();
-        while average.until() < Ticks::MAX && !average.is_over() {
+        while average.until() < Ticks::MAX && !average.is_over(average.until()) {
             let until = average.until();
             average.polynomial_at(&axis.plan, until);
             phases.push(average.phase());

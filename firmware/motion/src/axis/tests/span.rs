@@ -77,12 +77,7 @@ fn a_target_is_as_far_as_its_number_says_where_the_plan_has_wrapped() {
             let mut apart = 0;
             for _ in 0..10_000 {
                 axis.advance(&mut sink).unwrap();
-                let junction = if axis.is_averaged {
-                    axis.average.junction(axis.horizon())
-                } else {
-                    axis.horizon()
-                };
-                let planned = axis.plan.exact_at(junction).position;
+                let planned = axis.plan.exact_at(axis.horizon()).position;
                 let committed = axis.committed_position();
                 if (planned.steps() < 0) != (committed < 0) {
                     apart += 1;

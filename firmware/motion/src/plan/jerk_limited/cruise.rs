@@ -8,7 +8,7 @@
 use super::Rules;
 use super::ramp::{Limit, Motion, RoughLimit, VirtualStart, steady_distance};
 use super::rough::{Kind, Rough};
-use crate::exact::{DistanceQ96, Q96, Uq96};
+use crate::exact::{DistanceQ96, PositionQ96, Q96, Uq96};
 
 /// The most iterations: of the search in rough numbers, which takes some four; of Newton's method with exact ones, which takes one,
 /// before the bounds are halved instead; and of both with exact ones.
@@ -432,7 +432,7 @@ impl Rules<'_> {
             return Some(most);
         }
         // Without a cruise there are no ramps.
-        if moves.is_from_rest && virtual_start.ahead.is_zero() {
+        if moves.is_from_rest && virtual_start.ahead == PositionQ96::ZERO {
             return Some(moves.greatest(Probe::NOTHING, most, range, high));
         }
         let low = moves.probe(Rough::ZERO);
