@@ -7,6 +7,7 @@
 use super::Axis;
 use crate::average::{Average, Window};
 use crate::clock::{Clock, Ticks};
+use crate::exact::PositionQ96;
 use crate::fixed::Exact;
 use crate::plan::{Goal, InitialState, Limits, Plan, PlanError, Ramps};
 use crate::speed::Speed;
@@ -236,12 +237,18 @@ impl Draft {
 
 impl Axis {
     /// What another motion with these ramps is planned from.
-    // Out of line, and made where it is wanted.
-    #[inline(never)]
+    // Made where it is wanted: a copy takes as long as a quarter of a plan.
+    #[inline]
     pub fn draft(&self, ramps: Ramps) -> Draft {
+        let mut draft = self.steady_draft(ramps);
+        self.leave(&mut draft);
+        draft
+    }
+
+    /// What is planned from a standstill.
+    #[inline(never)]
+    fn steady_draft(&self, ramps: Ramps) -> Draft {
         let horizon = self.horizon();
-        let goes_on = matches!(ramps, Ramps::MovingAverage(_)) && self.is_averaged;
-        let fresh = self.average.fresh();
         Draft {
             clock: self.clock,
             max_velocity: self.max_velocity(),
@@ -251,28 +258,36 @@ impl Axis {
             acceleration: self.acceleration,
             mean_jerk: self.mean_jerk,
             ramps,
-            kept: (goes_on && fresh.is_none()).then(|| self.average.window()),
+            kept: None,
             destination: self.plan.destination(),
             next: Next::Same,
-            start: match &self.path {
-                Some(path) => InitialState::steady(horizon, path.exact_at(horizon)),
-                None if !self.is_averaged => self.plan.leave(horizon),
-                None if !goes_on => self.mean_start(horizon),
-                None => match fresh {
-                    Some(begin) => InitialState::steady(horizon, begin),
-                    None => InitialState::steady(horizon, self.plan.exact_at(horizon)),
-                },
-            },
+            start: InitialState::steady(horizon, Exact::at_rest(PositionQ96::ZERO)),
         }
     }
 
-    /// The motion of the mean, where it is left for another trajectory.
-    fn mean_start(&self, horizon: Ticks) -> InitialState {
-        let mean = &self.average;
-        InitialState::steady(horizon, mean.exact_at(horizon)).easing(
-            mean.phase().acceleration_exact(horizon),
-            self.clock.sixth_jerk(self.mean_jerk),
-        )
+    /// The same from the motion at the commit horizon.
+    #[inline(never)]
+    fn leave(&self, draft: &mut Draft) {
+        let goes_on = draft.is_averaged() && self.is_averaged;
+        let fresh = self.average.fresh();
+        draft.kept = (goes_on && fresh.is_none()).then(|| self.average.window());
+        let start = &mut draft.start;
+        let horizon = start.tick;
+        match (&self.path, fresh) {
+            (Some(path), _) => start.from = path.exact_at(horizon),
+            (None, _) if !self.is_averaged => self.plan.leave(start),
+            (None, _) if !goes_on => {
+                // The mean is left for another trajectory.
+                let mean = &self.average;
+                start.from = mean.exact_at(horizon);
+                start.accelerate(
+                    mean.phase().acceleration_exact(horizon),
+                    self.clock.sixth_jerk(self.mean_jerk),
+                );
+            }
+            (None, Some(begin)) => start.from = begin,
+            (None, None) => start.from = self.plan.exact_at(horizon),
+        }
     }
 
     /// Goes on as planned, from the commit horizon on. Returns whether the draft was in time: if pulses have been committed since it was taken, the

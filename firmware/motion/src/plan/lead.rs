@@ -55,11 +55,10 @@ impl InitialState {
         *self.order.get() == Some((goal, limits, ramps))
     }
 
-    /// With an acceleration, and a sixth of the jerk of which it is.
-    pub(crate) const fn easing(mut self, acceleration: Q96, sixth_jerk: Q128) -> Self {
+    /// Has an acceleration, and a sixth of the jerk of which it is.
+    pub(crate) const fn accelerate(&mut self, acceleration: Q96, sixth_jerk: Q128) {
         self.acceleration = Smooth::new(acceleration);
         self.sixth_jerk = Smooth::new(sixth_jerk);
-        self
     }
 
     /// Begins with a speed towards the target at once: from rest, or from a lower speed in that direction.
@@ -196,13 +195,16 @@ impl InitialState {
 }
 
 impl Plan {
-    /// The motion at tick `at`, as another one begins with it: from linear ramps with no acceleration.
-    pub(crate) fn leave(&self, at: Ticks) -> InitialState {
+    /// Makes a steady start that of another motion, at its tick: from linear ramps with no acceleration.
+    // Where it stays: a copy costs as much as finding it.
+    pub(crate) fn leave(&self, start: &mut InitialState) {
+        let at = start.tick;
         if !SMOOTH || self.order.get().is_none() {
-            return InitialState::steady(at, self.exact_at(at));
+            start.from = self.exact_at(at);
+            return;
         }
         let (from, acceleration) = self.motion_at(at);
-        let mut start = InitialState::steady(at, from);
+        start.from = from;
         start.order = Smooth::new(self.order.get().filter(|_| at >= self.frame.start));
         start.acceleration = Smooth::new(acceleration);
         match self.find_piece(at) {
@@ -217,7 +219,6 @@ impl Plan {
             _ if self.sixth_jerk.get().is_zero() => start.acceleration = Smooth::new(Q96::ZERO),
             _ => start.sixth_jerk = self.sixth_jerk,
         }
-        start
     }
 }
 

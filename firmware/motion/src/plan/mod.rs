@@ -226,7 +226,8 @@ impl Plan {
         limits: Limits,
         ramps: Ramps,
     ) -> Result<(), PlanError> {
-        let start = self.leave(at);
+        let mut start = InitialState::steady(at, Exact::at_rest(PositionQ96::ZERO));
+        self.leave(&mut start);
         if !start.is_for(goal, limits, ramps) {
             self.make(clock, &start, goal, limits, ramps)?;
         }
@@ -288,14 +289,14 @@ impl Plan {
         Ok(())
     }
 
-    /// Takes over all of another plan, part by part: a copy of the whole would be on the stack as well.
+    /// Takes over all of another plan, part by part: a copy of the whole would be on the stack as well. No phase of it is entered yet.
     pub(crate) fn assign(&mut self, from: &Self) {
         self.frame = from.frame;
         self.end = from.end;
         self.pieces.clear();
         // Both have the same room.
         let _ = self.pieces.extend_from_slice(&from.pieces);
-        self.entered = from.entered;
+        self.entered = None;
         self.rest = from.rest;
         self.last_ramp = from.last_ramp;
         self.order = from.order;

@@ -90,7 +90,9 @@ fn i02_a_softer_deceleration_while_braking_is_no_reason_to_refuse() {
 
 /// A motion with an acceleration, which came about at whatever jerk.
 fn start(from: State, acceleration: Q96) -> InitialState {
-    InitialState::steady(0, from.into()).easing(acceleration, Q128::ZERO)
+    let mut start = InitialState::steady(0, from.into());
+    start.accelerate(acceleration, Q128::ZERO);
+    start
 }
 
 /// Whether a motion that must brake and come back can be planned; and if so, that it lands on its target.
