@@ -9,7 +9,7 @@ use heapless::Vec;
 use motion::low;
 
 use super::pll::{Arrival, Pll};
-use super::{MicrosQ16, POINT, Pipeline, SyncEvent, SyncStatus, micros_q16};
+use super::{MicrosQ16, POINT, SyncEvent, SyncStatus, micros_q16};
 
 /// The most slots in one control tick.
 const MAX: usize = 4;
@@ -30,14 +30,16 @@ pub(crate) struct Slot {
     pub(crate) at: MicrosQ16,
     /// The time between set-points.
     pub(crate) period: MicrosQ16,
+    /// From there to the moment at which the motor is at its set-point; worked out when time passes.
+    pub(crate) latency: MicrosQ16,
     /// What has come; `None` if nothing new has.
     pub(crate) event: Option<SyncEvent>,
 }
 
 impl Slot {
     /// When the motor is to be at its set-point. A cubic has to know the one behind it first.
-    pub(crate) fn due(&self, pipeline: &Pipeline, is_cubic: bool) -> MicrosQ16 {
-        let due = self.at.wrapping_add(pipeline.latency(self.period));
+    pub(crate) const fn due(&self, is_cubic: bool) -> MicrosQ16 {
+        let due = self.at.wrapping_add(self.latency);
         if is_cubic {
             due.wrapping_add(self.period)
         } else {
@@ -178,16 +180,18 @@ impl NetworkClock {
         if arrival == Arrival::OutOfTurn {
             return;
         }
-        self.find_syncs_per_set_point(interpolation);
-        self.step();
-        if is_new {
-            self.early = Some(event);
-            if self.take_set_point() {
-                return self.slot(slots);
-            }
+        let is_locked = self.pll.is_locked();
+        if !is_locked || self.interpolation != interpolation {
+            self.find_syncs_per_set_point(interpolation);
         }
-        if self.since >= self.syncs_per_set_point {
-            self.slot(slots);
+        self.step();
+        let is_due = self.since >= self.syncs_per_set_point;
+        if is_new && (self.take_set_point(is_locked) || is_due) {
+            self.slot(Some(event), slots);
+        } else if is_new {
+            self.early = Some(event);
+        } else if is_due {
+            self.early_slot(slots);
         }
     }
 
@@ -204,7 +208,7 @@ impl NetworkClock {
             has_missed = true;
             self.step();
             if self.since >= self.syncs_per_set_point {
-                self.slot(slots);
+                self.early_slot(slots);
             }
         }
         has_missed
@@ -217,9 +221,9 @@ impl NetworkClock {
     }
 
     /// Counts a set-point. Returns whether it gets its slot at once, wherever the slots have been.
-    fn take_set_point(&mut self) -> bool {
+    fn take_set_point(&mut self, is_locked: bool) -> bool {
         let apart = self.spacing.restart();
-        if !self.pll.is_locked() {
+        if !is_locked {
             self.syncs_per_set_point = self.syncs_per_set_point.min(self.since).max(1);
             return true;
         }
@@ -232,16 +236,22 @@ impl NetworkClock {
         }
     }
 
-    fn slot(&mut self, slots: &mut Slots) {
+    /// A slot for the set-point that came before it, if one did.
+    fn early_slot(&mut self, slots: &mut Slots) {
+        let event = self.early;
+        self.slot(event, slots);
+    }
+
+    fn slot(&mut self, event: Option<SyncEvent>, slots: &mut Slots) {
         self.since = 0;
+        self.early = None;
         if !self.is_used {
-            self.early = None;
             return;
         }
-        let event = self.early.take();
         let slot = Slot {
             at: self.pll.at(),
             period: self.period(),
+            latency: 0,
             event,
         };
         // More than these cannot be carried out in one tick.
@@ -249,10 +259,8 @@ impl NetworkClock {
     }
 
     /// How many SYNCs make one set-point, as long as the period is not settled and when 60C2h changes.
+    #[inline(never)]
     fn find_syncs_per_set_point(&mut self, interpolation: MicrosQ16) {
-        if self.pll.is_locked() && self.interpolation == interpolation {
-            return;
-        }
         self.interpolation = interpolation;
         let period = self.pll.period();
         let micros = |time: MicrosQ16| u32::try_from(time >> POINT).unwrap_or(u32::MAX);
@@ -267,13 +275,11 @@ impl NetworkClock {
         self.syncs_per_set_point = self.nominal;
     }
 
-    /// Whether sync events come with another period than one that is set up, where that is known.
+    /// Whether the sync events of a loop that is locked come with another period than one that is set up, where that is known.
     pub(crate) fn differs(&self, interpolation: MicrosQ16, cycle: MicrosQ16) -> bool {
         let is_far =
             |period: MicrosQ16, from: MicrosQ16| from != 0 && from.abs_diff(period) > period / 16;
-        self.is_synced
-            && self.pll.is_locked()
-            && (is_far(self.period(), interpolation) || is_far(self.pll.period(), cycle))
+        is_far(self.period(), interpolation) || is_far(self.pll.period(), cycle)
     }
 
     /// What 2050h shows of the sync events.

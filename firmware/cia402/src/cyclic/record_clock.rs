@@ -82,7 +82,12 @@ impl RecordClock {
             };
             waiting = waiting.saturating_sub(1);
             let event = None;
-            let _ = slots.push(Slot { at, period, event });
+            let _ = slots.push(Slot {
+                at,
+                period,
+                latency: 0,
+                event,
+            });
         }
     }
 }

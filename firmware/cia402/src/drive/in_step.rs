@@ -5,7 +5,7 @@ use canopen::{Duration, Instant};
 use motion::low;
 
 use crate::cyclic::{
-    Buffer, CyclicConfiguration, MicrosQ16, NetworkClock, POINT, Pipeline, RecordClock, Schedule,
+    Buffer, CyclicConfiguration, LOCKED, MicrosQ16, NetworkClock, POINT, Pipeline, RecordClock, Schedule,
     Slots, SyncEvent, SyncStatus, micros_q16,
 };
 use crate::exchange::{Exchange, Share, Waiting};
@@ -126,9 +126,17 @@ impl Cyclic {
             self.record_clock
                 .pass(now, micros(configuration.period), waits, &mut self.slots);
         }
-        for slot in &self.slots {
-            let at = slot.due(&self.pipeline, configuration.is_cubic);
-            self.schedule.aim(at);
+        if !self.slots.is_empty() {
+            self.aim(configuration.is_cubic);
+        }
+    }
+
+    /// The slots of this tick, and when the motor is to be at their set-points.
+    #[inline(never)]
+    fn aim(&mut self, is_cubic: bool) {
+        for slot in &mut self.slots {
+            slot.latency = self.pipeline.latency(slot.period);
+            self.schedule.aim(slot.due(is_cubic));
         }
     }
 
@@ -144,12 +152,12 @@ impl Cyclic {
         let period = self.clock.period();
         self.pipeline.expect(period);
         let (interpolation, cycle) = configuration.periods();
-        self.differs = self.clock.differs(interpolation, cycle);
         let latency = self.pipeline.latency(period) >> POINT;
         self.shown = SyncStatus {
             latency: u32::try_from(latency).unwrap_or(u32::MAX),
             ..self.clock.status()
         };
+        self.differs = self.shown.state == LOCKED && self.clock.differs(interpolation, cycle);
     }
 
     /// Whether SYNC comes with another period than is set up.

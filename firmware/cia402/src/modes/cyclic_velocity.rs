@@ -143,7 +143,7 @@ impl CyclicVelocity {
             self.is_limited = false;
             return;
         }
-        let end = slot.due(context.pipeline, false);
+        let end = slot.due(false);
         let interval = if is_at_rest {
             slot.period
         } else {

@@ -151,7 +151,7 @@ impl Following {
     ) -> Outcome {
         let is_cubic =
             P::Objects::DRIVE.cubic_interpolation && context.configuration.cyclic.is_cubic;
-        let end = slot.due(context.pipeline, is_cubic);
+        let end = slot.due(is_cubic);
         if context.motor.is_at_rest() {
             if !self.is_active && target.is_none() {
                 return Outcome::Followed;
@@ -161,13 +161,8 @@ impl Following {
             // It is still being stopped.
             return Outcome::Followed;
         }
-        let max = REACH;
         let here = context.motor.committed_position();
-        let goal = target.map(|target| {
-            target
-                .max(here.saturating_sub(max))
-                .min(here.saturating_add(max))
-        });
+        let goal = target.map(|target| within_reach(target, here));
         if let Some(goal) = goal
             && self.stands_at(goal, here)
             && context.motor.is_at_rest()
@@ -190,14 +185,9 @@ impl Following {
         let before = self.distance;
         let seconds = seconds(segment.interval);
         let max = distance_at(context.max_velocity(), seconds);
-        let is_usual = segment.interval.abs_diff(slot.period) <= slot.period / 64;
-        let velocity = if is_usual {
-            self.velocity
-        } else {
-            over(self.velocity, slot.period, segment.interval)
-        };
         let was_catching_up = self.is_catching_up;
-        self.distance = self.allowed(required, velocity, max, seconds, context);
+        let times = (slot.period, segment.interval);
+        self.distance = self.allowed(required, times, max, seconds, context);
         self.is_limited |= goal != target;
         let knot = Knot {
             end,
@@ -322,12 +312,21 @@ impl Following {
         Some(self.goal.wrapping_shl(POINT).wrapping_sub(self.at))
     }
 
-    /// The distance within all limits. Set-points move at `velocity`, and `max` is the longest distance allowed.
+    /// How far set-points move in an interval.
+    fn set_point_velocity(&self, (period, interval): (MicrosQ16, MicrosQ16)) -> i64 {
+        if interval.abs_diff(period) <= period / 64 {
+            self.velocity
+        } else {
+            over(self.velocity, period, interval)
+        }
+    }
+
+    /// The distance within all limits. Set-points come in a period and this is an interval, and `max` is the longest distance allowed.
     #[inline(never)]
     fn allowed(
         &mut self,
         required: i64,
-        velocity: i64,
+        times: (MicrosQ16, MicrosQ16),
         max: i64,
         seconds: u64,
         context: &Context<'_, impl Types>,
@@ -341,13 +340,20 @@ impl Following {
         };
         let required = Self::outside_limit_switches(required, context);
         // A set-point beyond a limit stands still there.
-        let velocity = if required == asked { velocity } else { 0 };
+        let velocity = |motion: &Self| {
+            if required == asked {
+                motion.set_point_velocity(times)
+            } else {
+                0
+            }
+        };
         let is_within_ramps = if self.is_catching_up {
             let (up, down) = ramps(seconds, context);
             let change = required.saturating_sub(self.distance);
             // Both this change and the one to the velocity of the set-points, behind it. Those are whole increments.
             change.saturating_abs() <= up.max(down).max(1 << POINT)
-                && required.saturating_sub(velocity).saturating_abs() <= down.max(1 << POINT)
+                && required.saturating_sub(velocity(self)).saturating_abs()
+                    <= down.max(1 << POINT)
         } else {
             let at = whole(self.at.saturating_add(required));
             // A steady motion keeps to limits of any size.
@@ -365,14 +371,18 @@ impl Following {
         let distance = if is_in_reach {
             required
         } else {
-            self.catch_up(required, velocity, max, ramps(seconds, context))
+            self.catch_up(required, velocity(self), max, ramps(seconds, context))
         };
         let distance = if has_ends {
             self.before_limit(distance, seconds, context)
         } else {
             distance
         };
-        let distance = Self::outside_limit_switches(distance, context);
+        let distance = if distance == required {
+            required
+        } else {
+            Self::outside_limit_switches(distance, context)
+        };
         // Out of a limit, too, the motor goes on with no jump.
         self.is_catching_up = !is_in_reach || distance != asked;
         self.is_limited = self.is_catching_up;
@@ -462,6 +472,19 @@ impl Following {
         let curve = is_monotone(first, last, waiting).then_some((to(slope), knot.interval));
         let _ = motor.follow(waiting.end, to(waiting.at), curve);
         self.waiting = (!stands).then_some(knot);
+    }
+}
+
+/// A set-point, no farther away than one motion may lead.
+fn within_reach(target: i64, here: i64) -> i64 {
+    let (away, is_beyond) = target.overflowing_sub(here);
+    if !is_beyond && away.unsigned_abs() <= REACH.unsigned_abs() {
+        return target;
+    }
+    if target < here {
+        here.saturating_sub(REACH)
+    } else {
+        here.saturating_add(REACH)
     }
 }
 

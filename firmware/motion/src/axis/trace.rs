@@ -101,10 +101,8 @@ fn between(before: &Point, after: &Point, t: Ticks) -> State {
         if from == to {
             return from;
         }
-        let change = to.wrapping_sub(from);
-        let part = i64::from(low::u32(part));
-        let below = (change & 0xFFFF).wrapping_mul(part) >> 16;
-        from.wrapping_add((change >> 16).wrapping_mul(part).wrapping_add(below))
+        let change = i128::from(to.wrapping_sub(from)).wrapping_mul(part.into()) >> 16;
+        from.wrapping_add(low::i64(change))
     };
     State {
         position: Position::from_bits(blend(before.1.position.bits(), after.1.position.bits())),
