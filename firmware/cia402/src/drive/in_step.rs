@@ -97,6 +97,7 @@ impl Cyclic {
         }
     }
 
+    #[inline(never)]
     fn on_sync_event(&mut self, event: SyncEvent, configuration: &CyclicConfiguration, mode: Mode) {
         self.record_clock.stop();
         let is_new = match mode {
