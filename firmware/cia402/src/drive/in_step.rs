@@ -79,11 +79,8 @@ impl Cyclic {
             self.buffer.clear();
         }
         let mut is_empty = waiting.records > 0 && self.buffer.len() == 0;
-        for _ in 0..waiting.records {
-            let record = exchange.lock(Exchange::take_record);
-            if has_records && let Some(record) = record {
-                self.buffer.push(record, configuration.buffer);
-            }
+        if waiting.records > 0 {
+            self.take_records(waiting.records, exchange, configuration, has_records);
         }
         for _ in 0..waiting.sync_events {
             if let Some(event) = exchange.lock(Exchange::take_sync_event) {
@@ -93,6 +90,22 @@ impl Cyclic {
                     self.record_clock
                         .on_record(micros_q16(event.at), micros(configuration.period));
                 }
+            }
+        }
+    }
+
+    #[inline(never)]
+    fn take_records<X: Share>(
+        &mut self,
+        number: usize,
+        exchange: &mut X,
+        configuration: &CyclicConfiguration,
+        has_records: bool,
+    ) {
+        for _ in 0..number {
+            let record = exchange.lock(Exchange::take_record);
+            if has_records && let Some(record) = record {
+                self.buffer.push(record, configuration.buffer);
             }
         }
     }

@@ -36,14 +36,16 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         } else {
             shown(position)
         };
-        let velocity_actual = if observed.velocity == demand.velocity {
-            velocity_demand
-        } else {
-            units.velocity_in_units(observed.velocity)
-        };
         let vl = |velocity| match mode {
             Mode::Velocity => self.configuration.velocity.shown(velocity),
             _ => 0,
+        };
+        let vl_velocity_demand = vl(demand.velocity);
+        let (velocity_actual, vl_velocity_actual) = if observed.velocity == demand.velocity {
+            (velocity_demand, vl_velocity_demand)
+        } else {
+            let velocity = observed.velocity;
+            (units.velocity_in_units(velocity), vl(velocity))
         };
         let sync = self.cyclic.status();
         let is_on = self.power.is_on() || state == State::SwitchedOn;
@@ -74,8 +76,8 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
                 | mode_bits,
             mode_display: mode.code(),
             error_code: self.faults.error_code(),
-            vl_velocity_demand: vl(demand.velocity),
-            vl_velocity_actual: vl(observed.velocity),
+            vl_velocity_demand,
+            vl_velocity_actual,
             position_demand,
             position_actual_internal: low::i32(position),
             position_actual,
