@@ -103,15 +103,16 @@ impl Monitor {
         let error = following_error(demand, position, is_counted);
         let (growth, span) = self.put(now, error);
         // A difference of one step is only the moment at which a pulse leaves.
-        let slippage = if growth.unsigned_abs() <= 1 {
-            SignedSpeed::ZERO
+        let (velocity, slippage) = if growth.unsigned_abs() <= 1 {
+            (demand.velocity, SignedSpeed::ZERO)
         } else {
-            per_second(growth, span).into()
+            let slippage = per_second(growth, span).into();
+            (demand.velocity.minus(slippage), slippage)
         };
         let window = configuration.following_error_window;
         self.observed = Observed {
             following_error: error,
-            velocity: demand.velocity.minus(slippage),
+            velocity,
             slippage,
             // Checked while it is off too, so that its time starts anew when it is on again.
             exceeds_window: self.outside.has_held(
