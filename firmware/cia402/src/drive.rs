@@ -32,7 +32,7 @@ use crate::modes::Modes;
 use crate::monitor::Monitor;
 use crate::motor::Motor;
 use crate::objects::{Everything, Objects};
-use crate::periphery::Periphery;
+use crate::periphery::{Latched, Periphery, Readings};
 use crate::state_machine::{State, StateMachine};
 use crate::travel::SoftwareLimits;
 use crate::units::PositionFrame;
@@ -450,23 +450,43 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         exchange: &mut X,
     ) -> u16 {
         let actuals = self.actuals(tick.now, tick.inputs, mode_bits);
-        let news = self.periphery_news(tick.inputs);
+        let latched = self.take_latched();
+        let readings = self
+            .periphery
+            .take_readings::<D>(tick.inputs, &self.configuration);
+        let has_news =
+            latched.is_some() || readings.is_some() || restarts || self.faults.has_notices();
         exchange.lock(|exchange| {
             exchange.publish(&actuals);
-            if let Some(latched) = &news.latched {
-                exchange.latch(latched);
-            }
-            if let Some(readings) = news.readings {
-                exchange.show(readings);
-            }
-            if restarts {
-                exchange.forget_notices();
-            }
-            while let Some(notice) = self.faults.take_notice() {
-                exchange.notify(notice);
+            if has_news {
+                self.tell(latched.as_ref(), readings, restarts, exchange);
             }
         });
         actuals.statusword
+    }
+
+    /// Tells what few ticks have to tell.
+    #[cold]
+    #[inline(never)]
+    fn tell(
+        &mut self,
+        latched: Option<&Latched>,
+        readings: Option<Readings>,
+        restarts: bool,
+        exchange: &mut Exchange,
+    ) {
+        if let Some(latched) = latched {
+            exchange.latch(latched);
+        }
+        if let Some(readings) = readings {
+            exchange.show(readings);
+        }
+        if restarts {
+            exchange.forget_notices();
+        }
+        while let Some(notice) = self.faults.take_notice() {
+            exchange.notify(notice);
+        }
     }
 }
 

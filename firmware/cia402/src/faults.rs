@@ -345,6 +345,11 @@ impl Faults {
         self.error_code
     }
 
+    /// Whether there is news that has not been taken.
+    pub(crate) fn has_notices(&self) -> bool {
+        !self.notices.is_empty()
+    }
+
     /// The next piece of news, oldest first.
     pub(crate) fn take_notice(&mut self) -> Option<FaultNotice> {
         self.notices.pop_front()

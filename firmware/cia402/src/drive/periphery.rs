@@ -6,7 +6,7 @@ use super::{Drive, Inputs, Tick};
 use crate::actuator::{Actuator, TORQUE_MODES};
 use crate::board::Compare;
 use crate::objects::Objects;
-use crate::periphery::News;
+use crate::periphery::Latched;
 use crate::periphery::digital_outputs::Shown;
 use crate::periphery::motor_current::Motion;
 
@@ -67,11 +67,11 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         );
     }
 
-    /// What is new for the device.
-    pub(super) fn periphery_news(&mut self, inputs: &Inputs) -> News {
+    /// What the touch probes have that is new for the device.
+    pub(super) fn take_latched(&mut self) -> Option<Latched> {
         let units = self.configuration.units.of_drive::<D>();
         let shown = |increments| self.frame.shown(increments, units);
-        self.periphery.news::<D>(shown, inputs, &self.configuration)
+        self.periphery.take_latched::<D>(shown)
     }
 
     /// Tells the brake what 60FEh wants of it if that may, else what the state machine wants. 60FEh does not close it on a motor that

@@ -51,12 +51,6 @@ impl Readings {
     };
 }
 
-/// What is new in a tick.
-pub(crate) struct News {
-    pub(crate) latched: Option<Latched>,
-    pub(crate) readings: Option<Readings>,
-}
-
 /// The period with which readings are shown, in microseconds.
 const READING_PERIOD: u32 = 10_000;
 
@@ -103,22 +97,25 @@ impl Periphery {
         self.since_shown = self.since_shown.saturating_add(elapsed);
     }
 
-    /// What is new. `shown` gives the position that objects show for one of the drive's.
-    pub(crate) fn news<D: Objects>(
+    /// What the touch probes have that is new. `shown` gives the position that objects show for one of the drive's.
+    pub(crate) fn take_latched<D: Objects>(
         &mut self,
         shown: impl Fn(i64) -> i32,
+    ) -> Option<Latched> {
+        if D::DRIVE.touch_probes {
+            self.probes.take_news(shown)
+        } else {
+            None
+        }
+    }
+
+    /// The readings, if it is time to show them.
+    pub(crate) fn take_readings<D: Objects>(
+        &mut self,
         inputs: &Inputs,
         configuration: &Configuration,
-    ) -> News {
-        News {
-            latched: if D::DRIVE.touch_probes {
-                self.probes.take_news(shown)
-            } else {
-                None
-            },
-            readings: (self.since_shown >= READING_PERIOD)
-                .then(|| self.readings::<D>(inputs, configuration)),
-        }
+    ) -> Option<Readings> {
+        (self.since_shown >= READING_PERIOD).then(|| self.readings::<D>(inputs, configuration))
     }
 
     #[cold]
