@@ -5,8 +5,8 @@ use canopen::{Duration, Instant};
 use motion::low;
 
 use crate::cyclic::{
-    Buffer, CyclicConfiguration, LOCKED, MicrosQ16, NetworkClock, POINT, Pipeline, RecordClock, Schedule,
-    Slots, SyncEvent, SyncStatus, micros_q16,
+    Buffer, CyclicConfiguration, LOCKED, MicrosQ16, NetworkClock, POINT, Pipeline, RecordClock,
+    Schedule, Slots, SyncEvent, SyncStatus, micros_q16,
 };
 use crate::exchange::{Exchange, Share, Waiting};
 use crate::mode::Mode;

@@ -352,8 +352,7 @@ impl Following {
             let change = required.saturating_sub(self.distance);
             // Both this change and the one to the velocity of the set-points, behind it. Those are whole increments.
             change.saturating_abs() <= up.max(down).max(1 << POINT)
-                && required.saturating_sub(velocity(self)).saturating_abs()
-                    <= down.max(1 << POINT)
+                && required.saturating_sub(velocity(self)).saturating_abs() <= down.max(1 << POINT)
         } else {
             let at = whole(self.at.saturating_add(required));
             // A steady motion keeps to limits of any size.

@@ -125,10 +125,5 @@ pub(super) const fn is_monotone(first: i64, last: i64, knot: Knot) -> bool {
     let (within, max) = (distance.saturating_mul(3), knot.max_distance);
     // The middle one of the three points that span the velocity.
     let middle = within.saturating_sub(first).saturating_sub(last);
-    0 <= first
-        && first <= within
-        && last <= within
-        && first <= max
-        && last <= max
-        && middle <= max
+    0 <= first && first <= within && last <= within && first <= max && last <= max && middle <= max
 }
