@@ -295,13 +295,20 @@ impl<A: Actuator> Motor<A> {
     }
 
     /// As [`Actuator::follow`].
-    pub(crate) fn follow(
+    pub(crate) fn follow(&mut self, end: MicrosQ16, to: Position) -> Result<(), FollowError> {
+        self.actuator.follow(end, to)?;
+        self.begin_following();
+        Ok(())
+    }
+
+    /// As [`Actuator::follow_smoothly`].
+    pub(crate) fn follow_smoothly(
         &mut self,
         end: MicrosQ16,
         to: Position,
-        velocity: Option<(Position, MicrosQ16)>,
+        velocity: (Position, MicrosQ16),
     ) -> Result<(), FollowError> {
-        self.actuator.follow(end, to, velocity)?;
+        self.actuator.follow_smoothly(end, to, velocity)?;
         self.begin_following();
         Ok(())
     }

@@ -190,13 +190,15 @@ pub trait Actuator: 'static {
     /// The motor stands at this position.
     fn stand_at(&mut self, position: i64);
 
-    /// Goes to a position, from the one followed before, and is there at `end`: in a straight line, or with a velocity there, as a
-    /// distance and how long it takes.
-    fn follow(
+    /// Goes to a position, from the one followed before, and is there at `end`, in a straight line.
+    fn follow(&mut self, end: MicrosQ16, to: Position) -> Result<(), FollowError>;
+
+    /// The same on a cubic that ends with a velocity: a distance, and how long it takes.
+    fn follow_smoothly(
         &mut self,
         end: MicrosQ16,
         to: Position,
-        velocity: Option<(Position, MicrosQ16)>,
+        velocity: (Position, MicrosQ16),
     ) -> Result<(), FollowError>;
 
     /// Reaches a velocity at `end`, evenly from the one at the end of what is followed.

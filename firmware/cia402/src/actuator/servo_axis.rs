@@ -405,9 +405,14 @@ impl<L: EmitterLock> Actuator for ServoAxis<L> {
         self.path.stand_at(position);
     }
 
-    fn follow(&mut self, end: MicrosQ16, to: Position, velocity: Option<(Position, MicrosQ16)>) -> Result<(), FollowError> {
+    fn follow(&mut self, end: MicrosQ16, to: Position) -> Result<(), FollowError> {
         self.take_up();
-        self.path.follow(end, to, velocity)
+        self.path.follow(end, to)
+    }
+
+    fn follow_smoothly(&mut self, end: MicrosQ16, to: Position, velocity: (Position, MicrosQ16)) -> Result<(), FollowError> {
+        self.take_up();
+        self.path.follow_smoothly(end, to, velocity)
     }
 
     fn follow_velocity(&mut self, end: MicrosQ16, velocity: SignedSpeed) -> Result<(), FollowError> {

@@ -359,21 +359,21 @@ impl<L: EmitterLock> Actuator for StepAxis<L> {
         self.demand = self.counted(demand);
     }
 
-    fn follow(
+    fn follow(&mut self, end: MicrosQ16, to: Position) -> Result<(), FollowError> {
+        let tick = self.timescale.tick_at(end);
+        self.go_on(|axis| axis.follow(tick, to))
+    }
+
+    fn follow_smoothly(
         &mut self,
         end: MicrosQ16,
         to: Position,
-        velocity: Option<(Position, MicrosQ16)>,
+        (distance, time): (Position, MicrosQ16),
     ) -> Result<(), FollowError> {
         let tick = self.timescale.tick_at(end);
-        match velocity {
-            None => self.go_on(|axis| axis.follow(tick, to)),
-            Some((distance, time)) => {
-                let ticks = self.timescale.ticks(time);
-                let velocity = Velocity::over(distance, ticks);
-                self.go_on(|axis| axis.follow_smoothly(tick, to, velocity))
-            }
-        }
+        let ticks = self.timescale.ticks(time);
+        let velocity = Velocity::over(distance, ticks);
+        self.go_on(|axis| axis.follow_smoothly(tick, to, velocity))
     }
 
     fn follow_velocity(

@@ -21,9 +21,8 @@ use motion::{Limits, Speed};
 
 use super::{Context, Types};
 use acceleration::{MaxChange, SetPoints};
-use period::{
-    away, distance_at, distance_q16, is_monotone, may_brake_behind, over, slope, to, whole,
-};
+use period::{away, distance_at, distance_q16, is_monotone};
+use period::{may_brake_behind, over, slope, to, whole};
 
 pub(super) use period::{braking_distance, gain, seconds};
 
@@ -259,7 +258,7 @@ impl Following {
             }
             self.waiting = None;
             if is_there {
-                let _ = motor.follow(waiting.end, to(waiting.at), None);
+                let _ = motor.follow(waiting.end, to(waiting.at));
                 path = motor.path_to(end);
             }
         }
@@ -436,8 +435,8 @@ impl Following {
 
     /// The set-point that waits for the next one, for a cubic.
     fn waiting<P: Types>(&self) -> Option<Knot> {
-        self.waiting
-            .filter(|_| P::Objects::DRIVE.cubic_interpolation)
+        let is_cubic = P::Objects::DRIVE.cubic_interpolation;
+        self.waiting.filter(|_| is_cubic)
     }
 
     /// Gives a set-point to the axis; on a cubic the one before it. What the axis does not take, the next distance makes up for.
@@ -455,12 +454,12 @@ impl Following {
             }
             if before == 0 {
                 // Until the motion begins. There may be no time left to wait for.
-                let _ = motor.follow(knot.end.wrapping_sub(knot.interval), to(self.at), None);
+                let _ = motor.follow(knot.end.wrapping_sub(knot.interval), to(self.at));
             }
             if is_cubic {
                 self.waiting = Some(knot);
             } else {
-                let _ = motor.follow(knot.end, to(knot.at), None);
+                let _ = motor.follow(knot.end, to(knot.at));
             }
             return;
         };
@@ -468,8 +467,11 @@ impl Following {
         let before = over(waiting.distance, waiting.interval, knot.interval);
         let slope = slope(before, knot.distance);
         let last = over(slope, knot.interval, waiting.interval);
-        let curve = is_monotone(first, last, waiting).then_some((to(slope), knot.interval));
-        let _ = motor.follow(waiting.end, to(waiting.at), curve);
+        let (end, at) = (waiting.end, to(waiting.at));
+        let _ = match is_monotone(first, last, waiting) {
+            true => motor.follow_smoothly(end, at, (to(slope), knot.interval)),
+            false => motor.follow(end, at),
+        };
         self.waiting = (!stands).then_some(knot);
     }
 }

@@ -190,7 +190,11 @@ impl Actuator for Servo {
         (self.position + self.velocity * self.velocity.abs() / 2.0 / f64::from(deceleration)) as i64
     }
 
-    fn follow(&mut self, end: MicrosQ16, to: Position, _: Option<(Position, MicrosQ16)>) -> Result<(), FollowError> {
+    fn follow_smoothly(&mut self, end: MicrosQ16, to: Position, _: (Position, MicrosQ16)) -> Result<(), FollowError> {
+        self.follow(end, to)
+    }
+
+    fn follow(&mut self, end: MicrosQ16, to: Position) -> Result<(), FollowError> {
         self.path.push((end, unwrapped(to.whole_steps(), self.last().1)));
         self.goal = Goal::Path;
         Ok(())
