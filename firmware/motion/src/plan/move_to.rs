@@ -54,11 +54,8 @@ pub(super) fn plan(
         End::of(
             clock.speed(end_velocity.min(limits.velocity)),
             &deceleration,
-        )
+        )?
     };
-    if is_beyond_span(end.speed, end.time) {
-        return Err(PlanError::OutOfRange);
-    }
     let distance = gap.checked_add(end.distance).ok_or(PlanError::OutOfRange)?;
     let route = Route {
         clock,
@@ -148,16 +145,16 @@ impl End {
         distance: DistanceQ96::ZERO,
     };
 
-    fn of(speed: Uq96, deceleration: &Acceleration) -> Self {
-        if speed.is_zero() {
-            return Self::REST;
-        }
+    fn of(speed: Uq96, deceleration: &Acceleration) -> Result<Self, PlanError> {
         let time = deceleration.time(speed);
-        Self {
+        if is_beyond_span(speed, time) {
+            return Err(PlanError::OutOfRange);
+        }
+        Ok(Self {
             speed,
             time,
             distance: ramp_distance(speed, deceleration.half, time, true),
-        }
+        })
     }
 }
 
