@@ -96,7 +96,7 @@ impl Hmt {
         };
         // Microsteps/s: 2.5 MHz, or one in (x + 2) · 50 ns.
         let made_up = match configuration & 3 {
-            3 => 20_000_000 / (number(dictionary, 0x2703, 0) + 2),
+            3 => 20_000_000 / (number(dictionary, 0x2703, 0) + 2).max(1),
             _ => 2_500_000,
         };
         let (run, hold) = (number(dictionary, 0x2204, 0), number(dictionary, 0x2205, 0));
@@ -208,7 +208,7 @@ impl Hmt {
     /// 2704h, while a torque is held. Returns whether it is another one.
     pub(super) fn limit<D: Dictionary>(&self, dictionary: &mut D) -> bool {
         let fastest = match number(dictionary, 0x6060, 0) {
-            TORQUE => 12_000_000 / (number(dictionary, 0x2704, 0) + 2),
+            TORQUE => 12_000_000 / (number(dictionary, 0x2704, 0) + 2).max(1),
             _ => u32::MAX.into(),
         };
         let is_new = number(dictionary, FASTEST, 0) != fastest;

@@ -320,7 +320,8 @@ fn adapted<D: Dictionary>(dictionary: &D, report: &LoopReport) -> i64 {
         1_000 + (of(0x3595) - 1_000) * current / rated
     } else {
         let above = (current - rated).min(peak - rated);
-        of(0x3595) + (of(0x3597) - of(0x3595)) * above / (peak - rated)
+        let more = (of(0x3597) - of(0x3595)) * above;
+        of(0x3595) + more.checked_div(peak - rated).unwrap_or(0)
     }
 }
 

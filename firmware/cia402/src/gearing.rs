@@ -217,7 +217,11 @@ impl Follower {
         let (gone, rest) = self.ratio.of(counts, self.rest);
         self.rest = rest;
         let master = self.ratio.velocity(self.master);
-        let step = |ramp: u32| (i64::from(ramp.max(1)) << POINT) / (SECOND / elapsed).max(1);
+        let ticks = SECOND.checked_div(elapsed).unwrap_or(1);
+        let step = |ramp: u32| {
+            let change = i64::from(ramp.max(1)) << POINT;
+            change.checked_div(ticks).unwrap_or(change)
+        };
         let (goal, max) = match self.coupling {
             Coupling::Open => (0, i64::MAX),
             Coupling::Leaves => (0, step(ramps.decouple)),
@@ -225,11 +229,11 @@ impl Follower {
             Coupling::CatchesUp => {
                 self.error = self.error.saturating_add(gone).saturating_sub(moved.into());
                 let bound = braking(self.error, ramps.couple);
-                let correction = correction(self.error).clamp(-bound, bound);
+                let correction = correction(self.error).min(bound).max(-bound);
                 (master.saturating_add(correction), step(ramps.couple))
             }
             Coupling::Travels(travel) => {
-                self.gone = self.gone.saturating_add(gone).clamp(-travel, travel);
+                self.gone = self.gone.saturating_add(gone).min(travel).max(-travel);
                 // With all of its velocity at the end, half of the way was gone.
                 let square = self.gone * self.gone.abs();
                 let half = square.checked_div(travel * 2).unwrap_or(0);
@@ -246,7 +250,9 @@ impl Follower {
             }
         };
         let from = self.speed;
-        self.speed = goal.clamp(from.saturating_sub(max), from.saturating_add(max));
+        self.speed = goal
+            .max(from.saturating_sub(max))
+            .min(from.saturating_add(max));
         let is_reached = self.speed == goal;
         match self.coupling {
             Coupling::Ramps if is_reached => {
