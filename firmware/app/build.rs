@@ -4,7 +4,7 @@ use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use od_gen::Options;
+use od_gen::{BindingReport, Options};
 
 /// The root of the workspace.
 const ROOT: &str = "../..";
@@ -15,6 +15,15 @@ const CHOICE: &str = "AXIS402_EDS";
 /// Those of a step driver, and of a servo.
 const STEPPER: &str = "eds/axis402.eds";
 const SERVO: &str = "eds/servo.toml";
+
+/// Positions in a turn of a product, whose objects are not set to the encoder of a board.
+fn positions(data_sheet: &Path) -> Option<u32> {
+    let model = od_gen::read(data_sheet).ok()?;
+    let bindings = BindingReport::beside(data_sheet, &model).ok()??.bindings;
+    let of = |name| bindings.initial(&model, name);
+    let turns = of("position_encoder_revolutions").unwrap_or(1).max(1);
+    u32::try_from(of("position_encoder_increments")? / turns).ok()
+}
 
 fn main() {
     let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
@@ -47,8 +56,11 @@ fn main() {
         STEPPER
     };
     let data_sheet = env::var_os(CHOICE).unwrap_or_else(|| own.into());
+    let data_sheet = Path::new(ROOT).join(data_sheet);
+    let positions = format!("{:?}", positions(&data_sheet));
+    fs::write(out.join("positions.rs"), positions).expect("OUT_DIR can be written");
     od_gen::build(
-        Path::new(ROOT).join(data_sheet),
+        data_sheet,
         "dictionary.rs",
         Options {
             no_block_transfer: !has("BLOCK_TRANSFER"),

@@ -24,6 +24,8 @@ NODE_ID = 5
 def pytest_addoption(parser):
     parser.addoption("--image", default=ROOT / "target" / "xtask" / "axis402-stm32f405.elf", help="the image that is flashed")
     parser.addoption("--servo-image", default=ROOT / "target" / "xtask" / "axis402-odrive36.elf", help="the image of the servo board")
+    parser.addoption("--lmd-image", default=ROOT / "target" / "xtask" / "axis402-stepper405.lmd.elf", help="the image of the LMD on that board")
+    parser.addoption("--s200-image", default=ROOT / "target" / "xtask" / "axis402-odrive36.s200.elf", help="the image of the S200 on the servo board")
     parser.addoption("--stepper-image", default=ROOT / "target" / "xtask" / "axis402-stepper405.elf", help="the image of the board with two full bridges")
     parser.addoption("--plant", default=ROOT / "target" / "debug" / "examples" / "stepped_axis", help="the plant of the virtual drive on its wires")
     parser.addoption("--tuner", default=ROOT / "target" / "debug" / "examples" / "stepped_tune", help="`axis402 tune` in virtual time")

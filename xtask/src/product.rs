@@ -100,7 +100,17 @@ fn board_command(arguments: &Board) -> Command {
     command
 }
 
-/// The compact image of each product beside that of the generic drive.
+/// The servo boards that products go with, and these without a product, so that their images are kept.
+const SERVOS: [(Image, &str); 6] = [
+    (Image::Stepper, "lmd"),
+    (Image::Stepper, "nanotec"),
+    (Image::Stepper, ""),
+    (Image::Odrive, "s200"),
+    (Image::Odrive, "tc1"),
+    (Image::Odrive, ""),
+];
+
+/// The compact image of each product beside that of the generic drive, and the whole images of the servo boards.
 ///
 /// # Errors
 /// When one does not build.
@@ -115,6 +125,15 @@ pub fn sizes() -> Result<()> {
     row("axis402", None)?;
     for product in Product::all() {
         row(product.name(), Some(&product))?;
+    }
+    say!("\n{:<36} {:>8} {:>8}", "on a servo board", "flash", "RAM")?;
+    for (image, name) in SERVOS {
+        let product: Option<Product> = name.parse().ok();
+        let sizes = size::measure(&image.build_as(product.as_ref())?)?;
+        let size::Size { flash, ram } = sizes.total;
+        let name = product.as_ref().map_or("axis402", Product::name);
+        let row = format!("{name}, {}", image.board());
+        say!("{row:<36} {flash:>8} {ram:>8}")?;
     }
     Ok(())
 }

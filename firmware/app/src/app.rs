@@ -174,11 +174,13 @@ macro_rules! app {
 
             #[task(priority = 2, shared = [exchange, bus, alive, node])]
             fn node(mut cx: node::Context) {
-                cx.shared.alive.lock(|alive| *alive = true);
+                // The control tick takes it.
+                let has_ticked = !cx.shared.alive.lock(|alive| core::mem::replace(alive, true));
                 let stop = || {
                     stop::spawn().ok();
                 };
-                let signals = cx.shared.node.run(cx.shared.exchange, cx.shared.bus, stop);
+                let node = cx.shared.node;
+                let signals = node.run(cx.shared.exchange, cx.shared.bus, has_ticked, stop);
                 if let Some(signals) = signals {
                     lights::spawn(signals).ok();
                 }

@@ -118,12 +118,13 @@ pub struct NodeTask {
 }
 
 impl NodeTask {
-    /// Everything there is to do; the first time the node is powered on before. `stop` is called as soon as the motor is to stop before the
-    /// next control tick. Gives what the lights are to say, once for each step of their patterns.
+    /// Everything there is to do; the first time the node is powered on before. `has_ticked` is whether a control tick has passed since the last run, `stop` is
+    /// called as soon as the motor is to stop before the next one. Gives what the lights are to say, once for each step of their patterns.
     pub fn run(
         &mut self,
         mut exchange: impl Mutex<T = &'static mut Exchange>,
         mut bus: impl Mutex<T = CanBus>,
+        has_ticked: bool,
         stop: impl FnMut(),
     ) -> Option<Signals> {
         let mut around = Around {
@@ -135,7 +136,8 @@ impl NodeTask {
             self.node.power_on(&mut around, &mut bus);
         }
         let deadline = (self.node).run(&mut around, &mut bus, &mut self.received);
-        ServoObjects::attend(&mut self.servo_objects, self.node.dictionary_mut());
+        let (dictionary, product) = self.node.product();
+        ServoObjects::attend(&mut self.servo_objects, dictionary, product, has_ticked);
         let now = clock::now();
         let wait = deadline.ticks().saturating_sub(now.ticks()).max(NEAREST);
         if wait < TICK {

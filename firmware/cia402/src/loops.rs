@@ -15,6 +15,9 @@ pub struct ServoSettings {
     pub offset: u16,
     /// The encoder counts the other way. Taken over while the power is off.
     pub is_turned: bool,
+    /// Counts of the encoder in a turn, where a turn has another number of positions; 0 is what the axis has. Taken over while the
+    /// power is off.
+    pub encoder: u32,
     /// The words of the Hall sensors in the order in which the magnet passes them forward, from its angle 0 on; all 0 is that of the
     /// axis. Taken over while the power is off.
     pub hall: [u8; 6],
@@ -77,6 +80,7 @@ impl ServoSettings {
         pole_pairs: 0,
         offset: 0,
         is_turned: false,
+        encoder: 0,
         hall: [0; 6],
         is_searched: false,
         lead: 0,

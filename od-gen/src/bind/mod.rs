@@ -66,7 +66,7 @@ use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use cia402_parameters::Conversion;
-use cia402_parameters::{Description, PROFILE};
+use cia402_parameters::{ALL, Description, PROFILE};
 
 pub(crate) use file::comments;
 pub use habits::{Habit, KNOWN as HABITS, Known, Owner};
@@ -131,6 +131,19 @@ impl Bindings {
     /// The number of a parameter that no object stands for.
     pub fn constant(&self, parameter: &Description) -> Option<i64> {
         number(&self.constants, parameter)
+    }
+
+    /// The number that a parameter of this name has before anything is written; `None` where nothing stands for it.
+    pub fn initial(&self, model: &Model, name: &str) -> Option<i64> {
+        let parameter = ALL.iter().find(|known| known.name == name)?;
+        let number = |entry: &Entry| i64::try_from(entry.default_number()?).ok();
+        let bound = || {
+            let row = self.rows.iter().find(|row| row.parameter == parameter)?;
+            let object = number(model.entry(row.index, row.sub)?)?;
+            row.meaning.to_parameter(object)
+        };
+        let own = || number(home(model, parameter)?);
+        self.constant(parameter).or_else(bound).or_else(own)
     }
 
     /// What counts while the object of a parameter is 0.

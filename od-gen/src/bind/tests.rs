@@ -61,6 +61,19 @@ fn the_axis_of_the_virtual_drive_is_read_and_nothing_else_beside_it() {
 }
 
 #[test]
+fn a_parameter_begins_with_its_constant_the_object_that_is_bound_or_its_own_one() {
+    let initial = |text: &str, name| report(text).bindings.initial(&model(), name);
+    let bound = "[[binding]]\nobject = \"2006h\"\nparameter = \"profile_velocity\"\noffset = 7\n";
+    assert_eq!(initial(bound, "profile_velocity"), Some(507));
+    let constant = "[constants]\nmicrosteps = 256\n";
+    assert_eq!(initial(constant, "microsteps"), Some(256));
+    assert_eq!(initial(constant, "profile_velocity"), None);
+    let own = model().entry(0x6083, 0).unwrap().default_number();
+    assert_eq!(initial("", "profile_acceleration").map(i128::from), own);
+    assert_eq!(initial("", "no_parameter"), None);
+}
+
+#[test]
 fn objects_that_stand_for_nothing_are_reported_unless_that_is_meant() {
     let unmentioned = report("");
     assert!(!unmentioned.has_errors());

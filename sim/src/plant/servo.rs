@@ -151,6 +151,7 @@ impl ServoAxisData {
             friction: self.plant.motor.coulomb_friction as f32,
             bandwidth: self.bandwidth,
             speed: self.speed,
+            encoder: 0,
             feedback: match self.magnet {
                 Magnet::Known | Magnet::Searched => Feedback::Incremental,
                 Magnet::Hall => Feedback::Hall,

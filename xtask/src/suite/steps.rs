@@ -294,18 +294,24 @@ pub fn run(step: Step, ready: &Ready) -> Result<Run> {
         Step::Board => {
             let mut command = pytest(&ready.python, FOLDERS[1]);
             command.arg("--image").arg(Image::Board.path());
-            command.arg("--servo-image").arg(Image::Odrive.path());
-            command.arg("--stepper-image").arg(Image::Stepper.path());
+            // Each is kept before the next one is built: they have the same name.
+            for (flag, image, name) in [
+                ("--lmd-image", Image::Stepper, "lmd"),
+                ("--s200-image", Image::Odrive, "s200"),
+                ("--stepper-image", Image::Stepper, ""),
+                ("--servo-image", Image::Odrive, ""),
+            ] {
+                let product: Option<Product> = name.parse().ok();
+                match image.build_as(product.as_ref()) {
+                    Ok(path) => command.arg(flag).arg(path),
+                    Err(error) => {
+                        say!("{}", one_line(&error))?;
+                        return Ok(Run::Done(Count::of(0, 1)));
+                    }
+                };
+            }
             command.arg("--plant").arg(place::kept("stepped_axis"));
             command.arg("--tuner").arg(place::kept("stepped_tune"));
-            // Each is kept before the next one is built: they have the same name.
-            for image in [Image::Odrive, Image::Stepper] {
-                let built = checks([image.build_command()?])?;
-                if built.failed > 0 {
-                    return Ok(Run::Done(built));
-                }
-                image.keep()?;
-            }
             let builds = [Image::Board.build_command()?, programs::build_command()];
             return played(step, builds, command);
         }
@@ -397,12 +403,17 @@ fn documentation() -> [Command; 1] {
     [host]
 }
 
-/// Builds every image of the drive, and the dictionaries of the other data sheets; each is one check. The first two link only
-/// if no panic path is left in the core.
+/// Builds every image of the drive, and the dictionaries of the other data sheets; each is one check. Those without a panic path link only
+/// if none is left in the core, or in the module of a product.
 fn images() -> Result<Count> {
     let mut dictionaries = cargo(&["build", "--profile", PROFILE, "--package", "products"]);
     dictionaries.args(["--target", TARGET]);
     let mut sum = checks([dictionaries])?;
+    for product in Product::all() {
+        let mut command = Image::NoPanicServo.build_command()?;
+        product.choose(&mut command);
+        sum += checks([command])?;
+    }
     for image in [
         Image::NoPanic,
         Image::NoPanicServo,

@@ -8,9 +8,8 @@
 //! handles the hard fault, `bin/no_panic.rs` has cells the compiler cannot see through
 //! and the function that does not exist.
 
-use canopen::od;
 use canopen::settings::Wish;
-use cia402::{ServoOrder, ServoReport};
+use cia402::{Behaves, ServoOrder, ServoReport};
 use embedded_storage::nor_flash::NorFlash;
 
 use crate::control::{Moving, TIMING};
@@ -208,8 +207,13 @@ pub trait Pulses: PulseSink {
 
 /// What a servo has beside its orders: gains, data and measurements of its motor, between the dictionary and its loops.
 pub trait ServoObjects {
-    /// Hands on what masters have written, and shows what was found. Called behind each run of the node.
-    fn attend<D: od::Dictionary>(&mut self, dictionary: &mut D);
+    /// Hands on what masters have written, and shows what was found. Called behind each run of the node; a control tick may have passed since the last one.
+    fn attend<D: Behaves>(
+        &mut self,
+        dictionary: &mut D,
+        product: &mut D::Behaviour,
+        has_ticked: bool,
+    );
 }
 
 /// A step driver has none.
@@ -217,7 +221,7 @@ pub trait ServoObjects {
 pub struct NoServoObjects;
 
 impl ServoObjects for NoServoObjects {
-    fn attend<D: od::Dictionary>(&mut self, _: &mut D) {}
+    fn attend<D: Behaves>(&mut self, _: &mut D, _: &mut D::Behaviour, _: bool) {}
 }
 
 /// The interrupts of the step pulses.

@@ -69,7 +69,10 @@ impl Current {
             1 => self.take_orders(),
             2 => self.take_set_up(),
             3 => self.publish(counts),
-            4 => self.publish_found(),
+            4 => {
+                self.publish_found();
+                self.link.publish_beside(|| self.loops.beside());
+            }
             _ => {}
         }
         self.at += 1;

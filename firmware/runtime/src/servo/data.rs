@@ -60,6 +60,8 @@ pub struct ServoData {
     pub speed: u32,
     /// What tells where the magnet is.
     pub feedback: Feedback,
+    /// Counts of its encoder in a turn, where positions are finer or coarser than they are: those are the counts of the motor. 0 is as many.
+    pub encoder: u32,
     /// What drives it.
     pub stage: StageData,
 }
@@ -73,6 +75,15 @@ impl ServoData {
     /// A period of the loops above the current, in s.
     pub fn control_period(&self) -> f32 {
         self.stage.period * f32::from(self.stage.control)
+    }
+
+    /// Those of a turn, as the timer counts them, with what is set (0 if nothing is). The word of an absolute encoder comes in counts of the motor.
+    pub fn encoder_counts(&self, set: u32) -> u32 {
+        match (self.feedback, set, self.encoder) {
+            (Feedback::Absolute { .. }, ..) | (_, 0, 0) => self.motor.counts,
+            (_, 0, own) => own,
+            (_, set, _) => set,
+        }
     }
 
     /// The trip of a phase, in A.

@@ -3,12 +3,13 @@
 //! The current interrupt stands above all of them and waits for nobody: where it finds a part locked, it goes on by what it has copied before. Each part has one task
 //! beside the interrupt, which never finds it locked.
 
-use core::sync::atomic::{AtomicU16, Ordering};
+use core::sync::atomic::{AtomicBool, AtomicU16, Ordering};
 
 use cia402::{ServoOrder, ServoReport};
 use spin::Mutex;
 
-use super::{Found, Request, ServoSettings};
+use super::beside::Beside;
+use super::{Found, LoopReport, Request, ServoData, ServoSettings};
 
 /// From the control tick.
 #[derive(Clone, Copy, Debug, Default)]
@@ -58,6 +59,9 @@ pub struct Link {
     status: Mutex<LoopStatus>,
     found: Mutex<Found>,
     lead: AtomicU16,
+    /// Told while somebody asks for it.
+    beside: Mutex<Beside>,
+    is_asked: AtomicBool,
 }
 
 impl Link {
@@ -85,6 +89,8 @@ impl Link {
             }),
             found: Mutex::new(Found::NONE),
             lead: AtomicU16::new(0),
+            beside: Mutex::new(Beside::NONE),
+            is_asked: AtomicBool::new(false),
         }
     }
 
@@ -128,6 +134,13 @@ impl Link {
         self.lead.load(Ordering::Relaxed)
     }
 
+    /// What the loops of this axis have told last beside the actual values; from the first call on they tell it.
+    pub fn loop_report(&self, data: &ServoData) -> LoopReport {
+        self.is_asked.store(true, Ordering::Relaxed);
+        let beside = *self.beside.lock();
+        beside.report(data, self.found())
+    }
+
     /// While the tasks have locked all of it.
     #[cfg(test)]
     pub(super) fn while_locked(&self, f: impl FnOnce()) {
@@ -136,6 +149,7 @@ impl Link {
             self.set_up.lock(),
             self.status.lock(),
             self.found.lock(),
+            self.beside.lock(),
         );
         f();
     }
@@ -177,5 +191,14 @@ impl Link {
     pub(super) fn publish_found(&self, found: &Found) -> bool {
         let place = self.found.try_lock();
         place.map(|mut place| *place = *found).is_some()
+    }
+
+    #[inline]
+    pub(super) fn publish_beside(&self, beside: impl FnOnce() -> Beside) {
+        if self.is_asked.load(Ordering::Relaxed)
+            && let Some(mut place) = self.beside.try_lock()
+        {
+            *place = beside();
+        }
     }
 }

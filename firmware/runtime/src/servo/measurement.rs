@@ -94,6 +94,7 @@ impl Loops {
             pole_pairs: self.settings.pole_pairs,
             offset: self.settings.offset,
             is_turned: self.settings.is_turned,
+            encoder: self.settings.encoder,
             hall: self.settings.hall,
             is_searched: self.settings.is_searched,
             stepper: self.settings.stepper,
@@ -172,6 +173,12 @@ impl Loops {
             self.sensor.restart();
         }
         (self.settings.offset, self.settings.is_turned) = (settings.offset, settings.is_turned);
+        if settings.encoder != self.settings.encoder {
+            self.settings.encoder = settings.encoder;
+            let counts = self.data.encoder_counts(settings.encoder);
+            self.interrupt.encoder.set_counts(counts);
+            self.sensor.restart();
+        }
     }
 
     /// Begins a measurement, or ends it.
@@ -205,7 +212,7 @@ impl Loops {
         let config = config(&self.data);
         let setup = Setup {
             wiring: self.motor.wiring,
-            counts: self.motor.counts,
+            counts: self.data.encoder_counts(self.settings.encoder),
             period: self.data.stage.period,
             current: f32::from(current) * 1e-3 * self.motor.rated_current,
             trip: config.trip,

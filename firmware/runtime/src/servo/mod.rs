@@ -11,6 +11,7 @@
 //! The contract: [`Loops::period`] is called in the middle of the pulses, its widths act half a period later for a whole one; [`Loops::control`] behind it in
 //! each period. The gates are on while there are widths and [`Loops::fault`] is none.
 
+mod beside;
 mod current;
 mod data;
 mod feedback;
@@ -31,6 +32,7 @@ use servo::offsets::{Calibration, CurrentSense};
 use servo::transform::Rotor;
 use servo::{Angle, Control, CurrentInterrupt, Implausible, Motor, Wiring};
 
+use beside::Beside;
 pub use cia402::loops::{Found, LoopReport, Request, ServoSettings, StepperSettings};
 pub use current::Current;
 pub use data::{Feedback, ServoData, StageData};
@@ -40,7 +42,7 @@ use measurement::{Ending, Measurement};
 pub use objects::ServoObjects;
 pub use orders::error_code;
 pub use port::Port;
-use settings::{LoopSettings as _, config, loops};
+use settings::loops;
 
 /// Of the observer, in rad/s.
 const OBSERVER: f32 = 3_000.0;
@@ -92,6 +94,7 @@ impl Loops {
         let settings = ServoSettings::default();
         let (current, control) = loops(data, &motor, &settings)?;
         let mut encoder = Incremental::new(&motor, timer, 2);
+        encoder.set_counts(data.encoder_counts(0));
         if let Some(angle) = magnet {
             encoder.set_angle(angle);
         }
@@ -316,33 +319,22 @@ impl Loops {
 
     /// What the loops report beside the actual values.
     pub fn loop_report(&self) -> LoopReport {
+        self.beside().report(&self.data, *self.found())
+    }
+
+    /// What of it the loops alone know.
+    fn beside(&self) -> Beside {
         let report = self.control_report();
-        let current = self.interrupt.current.current();
-        let (motor, friction) = self.settings.motor(&self.data);
-        let own = ServoSettings::NONE.gains(&self.data);
-        let zero = (self.interrupt.encoder.offset().bits() >> 16) as u16;
-        LoopReport {
-            found: *self.found(),
-            motor: listed(&motor, friction),
-            own_motor: listed(&self.data.motor, self.data.friction),
-            own_pole_pairs: self.data.motor.pole_pairs,
-            own_torque_constant: number(self.data.motor.torque_constant(), 1e-6),
-            pole_pairs: motor.pole_pairs,
-            torque_constant: number(motor.torque_constant(), 1e-6),
-            own_gains: [own.velocity, own.integral, own.position].map(|gain| (gain + 0.5) as u16),
-            own_share: (config(&self.data).share * 1e3) as u16,
-            own_learning: (config(&self.data).learning * 1e3) as u16,
-            speed: (report.velocity * 60_000.0 / motor.counts as f32) as i32,
+        Beside {
+            motor: (self.settings.motor, self.settings.pole_pairs),
+            velocity: report.velocity,
             counts: self.position(),
-            counts_of_turn: motor.counts,
-            rated_current: number(motor.rated_current, 1e-3),
-            peak_current: number(motor.peak_current, 1e-3),
-            max_speed: self.data.speed,
-            zero: zero.wrapping_sub(self.settings.offset),
-            lead: leads(&report),
-            current: ((current.d * 1e3) as i32, (current.q * 1e3) as i32),
-            angle: (self.interrupt.observer.angle().bits() >> 16) as u16,
-            heat: (self.control.heat() * 1e3) as u16,
+            zero: self.interrupt.encoder.offset(),
+            offset: self.settings.offset,
+            lead: report.lead,
+            current: self.interrupt.current.current(),
+            angle: self.interrupt.observer.angle(),
+            heat: self.control.heat(),
             is_limited: report.is_limited,
             is_on: self.is_on && self.fault.is_none() && self.begin == Begin::Over,
         }
@@ -383,25 +375,13 @@ impl Loops {
     }
 }
 
-/// A value as a whole number of units.
-fn number(value: f32, unit: f32) -> u32 {
-    (value / unit + 0.5) as u32
-}
-
-/// A motor as 20C2h has it.
-fn listed(motor: &Motor, friction: f32) -> [u32; 6] {
-    [
-        number(motor.resistance, 1e-6),
-        number(motor.inductance_d, 1e-9),
-        number(motor.inductance_q, 1e-9),
-        number(motor.flux, 1e-9),
-        number(motor.inertia, 1e-9),
-        number(friction, 1e-6),
-    ]
-}
-
 fn leads(report: &Report) -> u16 {
-    (report.lead.abs() * 100.0 + 0.5) as u16
+    hundredths(report.lead)
+}
+
+/// The lead of a field in hundredths of a full step.
+fn hundredths(lead: f32) -> u16 {
+    (lead.abs() * 100.0 + 0.5) as u16
 }
 
 #[cfg(test)]

@@ -21,6 +21,8 @@ pub struct Port {
     asked: Cell<u32>,
     /// The timer of the encoder where the position is 0.
     timer: u16,
+    /// Its counts in a turn, and the positions in one.
+    counts: (i64, i64),
 }
 
 impl Port {
@@ -32,7 +34,14 @@ impl Port {
             now,
             asked: Cell::new(now),
             timer,
+            counts: (1, 1),
         }
+    }
+
+    /// The same with an encoder that has so many counts in a turn of so many positions.
+    pub fn with_counts(mut self, counts: u32, positions: u32) -> Self {
+        self.counts = (counts.max(1).into(), positions.max(1).into());
+        self
     }
 
     /// The position of the encoder, in counts from where it began.
@@ -43,8 +52,16 @@ impl Port {
     /// The same where its timer was at this count a short while ago.
     pub fn position_at(&self, timer: u16) -> i64 {
         let position = self.position();
-        let told = self.timer.wrapping_add(position as u16);
-        position.wrapping_add(timer.wrapping_sub(told).cast_signed().into())
+        let (counts, positions) = self.counts;
+        let scaled = |number: i64, by: i64, of: i64| {
+            let product = number.wrapping_mul(by);
+            product.checked_div_euclid(of).unwrap_or(0)
+        };
+        let told = self
+            .timer
+            .wrapping_add(scaled(position, counts, positions) as u16);
+        let moved = timer.wrapping_sub(told).cast_signed();
+        position.wrapping_add(scaled(moved.into(), positions, counts))
     }
 
     /// The clock has come so far, less than its range since the last call.

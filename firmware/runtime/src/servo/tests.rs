@@ -25,6 +25,7 @@ pub(super) const DATA: ServoData = ServoData {
     bandwidth: 600.0,
     speed: 3_000,
     feedback: Feedback::Incremental,
+    encoder: 0,
     stage: StageData {
         period: 50e-6,
         control: 5,
@@ -219,4 +220,48 @@ fn an_edge_is_where_the_timer_was() {
     assert_eq!(port.position(), -700);
     assert_eq!(port.position_at(64_310), -690);
     assert_eq!(port.position_at(64_290), -710);
+}
+
+#[test]
+fn an_edge_is_where_the_timer_was_on_an_encoder_with_other_counts() {
+    let link: &'static Link = Box::leak(Box::new(Link::new()));
+    let port = Port::new(link, 0, 65_000).with_counts(4_000, 50_000);
+    let report = ServoReport {
+        counts: -700,
+        ..ServoReport::NONE
+    };
+    let told = link::LoopStatus {
+        report,
+        ..link::LoopStatus::default()
+    };
+    link.publish(0, || told);
+    // 56 counts below where it began.
+    assert_eq!(port.position_at(64_944), -700);
+    assert_eq!(port.position_at(64_954), -575);
+    assert_eq!(port.position_at(64_934), -825);
+}
+
+/// What a product asks for comes over the link as the loops tell it, once somebody asks.
+#[test]
+fn what_is_beside_the_actual_values_is_told_to_who_asks() {
+    let (mut current, mut port, link) = linked(Some(Angle::QUARTER));
+    link.energise(true);
+    port.order(&held(4_000));
+    run(&mut current, 40, &AT_REST);
+    assert!(!link.loop_report(&DATA).is_on, "nobody has asked before");
+    run(&mut current, 10, &AT_REST);
+    let told = link.loop_report(&DATA);
+    assert!(told.is_on);
+    assert_eq!(told, current.loops.loop_report());
+    assert_eq!((told.counts_of_turn, told.pole_pairs), (10_000, 4));
+    assert_eq!(told.rated_current, 4_000);
+    let settings = ServoSettings {
+        pole_pairs: 7,
+        ..ServoSettings::NONE
+    };
+    link.energise(false);
+    link.set_up(settings, None);
+    run(&mut current, 10, &AT_REST);
+    let told = link.loop_report(&DATA);
+    assert_eq!((told.pole_pairs, told.own_pole_pairs), (7, 4));
 }

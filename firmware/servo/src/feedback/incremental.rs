@@ -1,7 +1,7 @@
 //! An incremental encoder with index: a timer that counts, and a capture at the index.
 //!
 //! The count of 16 bits wraps; the position of 64 goes on. The angle within an electrical turn is worked out of the count within a mechanical one,
-//! exactly, however many turns it has gone. The first index is taken for where the turn begins; each that follows must come whole turns later,
+//! exactly, however many turns it has gone; so is the position where a turn has another number of positions than the encoder has counts. The first index is taken for where the turn begins; each that follows must come whole turns later,
 //! within the tolerance for the two edges of an index.
 
 use core::hint::cold_path;
@@ -9,10 +9,17 @@ use core::hint::cold_path;
 use super::FeedbackFault;
 use crate::{Angle, Motor};
 
+/// The scale where a turn has as many positions as the encoder has counts.
+const SAME: u64 = 1 << 32;
+
 /// See the module.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Incremental {
     counts: u32,
+    /// In a turn, and those of a count in parts of 2³².
+    positions: u32,
+    scale: u64,
+    pole_pairs: u16,
     /// Electrical turns of a count and of half of one, in parts of 2⁶⁴ of a turn; whole turns are left out.
     factor: u64,
     half: u64,
@@ -21,7 +28,11 @@ pub struct Incremental {
     /// −1 if the timer counts the other way, or 1.
     direction: i16,
     last: u16,
-    position: i64,
+    /// Counts from where it began, or from where the counts of a turn were set.
+    counted: i64,
+    /// The position there, and whole turns since.
+    begin: i64,
+    turns: i64,
     /// The count within the turn, from where `offset` is right.
     in_turn: u32,
     offset: Angle,
@@ -31,14 +42,20 @@ pub struct Incremental {
 impl Incremental {
     /// For a motor that was checked, with the timer at this count. An index may be so many counts off.
     pub fn new(motor: &Motor, timer: u16, tolerance: u32) -> Self {
+        let counts = motor.counts.max(1);
         let mut encoder = Self {
-            counts: motor.counts.max(1),
+            counts,
+            positions: counts,
+            scale: SAME,
+            pole_pairs: 0,
             factor: 0,
             half: 0,
             tolerance,
             direction: 1,
             last: timer,
-            position: 0,
+            counted: 0,
+            begin: 0,
+            turns: 0,
             in_turn: 0,
             offset: Angle::ZERO,
             index: None,
@@ -51,14 +68,18 @@ impl Incremental {
     pub fn look(&mut self, timer: u16) {
         let moved = self.moved(self.last, timer);
         self.last = timer;
-        self.position = self.position.wrapping_add(moved.into());
+        self.counted = self.counted.wrapping_add(moved.into());
         let in_turn = self.in_turn.cast_signed() + moved;
         self.in_turn = in_turn.cast_unsigned();
         if self.in_turn >= self.counts {
             cold_path();
             // A look is less than a turn of most encoders; of a coarse one it may be several.
-            let in_turn = in_turn.checked_rem_euclid(self.counts.cast_signed());
-            self.in_turn = in_turn.map_or(0, i32::cast_unsigned);
+            let turn = self.counts.cast_signed();
+            let turns = in_turn.checked_div_euclid(turn).unwrap_or(0);
+            self.turns = self.turns.wrapping_add(turns.into());
+            self.in_turn = in_turn
+                .wrapping_sub(turns.wrapping_mul(turn))
+                .cast_unsigned();
         }
     }
 
@@ -74,7 +95,7 @@ impl Incremental {
     /// It is not whole turns away from the one before.
     pub fn index(&mut self, timer: u16) -> Result<(), FeedbackFault> {
         let since = self.moved(timer, self.last);
-        let at = self.position.wrapping_sub(since.into());
+        let at = self.counted.wrapping_sub(since.into());
         let first = *self.index.get_or_insert(at);
         let turn = i64::from(self.counts);
         let off = at.wrapping_sub(first).checked_rem_euclid(turn);
@@ -85,15 +106,32 @@ impl Incremental {
         Ok(())
     }
 
-    /// The position of the first index; `None` before it was passed.
+    /// The first index, in counts from where it began; `None` before it was passed.
     pub fn index_position(&self) -> Option<i64> {
         self.index
     }
 
-    /// Counts from where it began.
+    /// From where it began, in the counts of the motor.
     #[inline]
     pub fn position(&self) -> i64 {
-        self.position
+        if self.scale == SAME {
+            return self.begin.wrapping_add(self.counted);
+        }
+        let in_turn = (u64::from(self.in_turn).wrapping_mul(self.scale) >> 32).cast_signed();
+        let turns = self.turns.wrapping_mul(self.positions.into());
+        self.begin.wrapping_add(turns).wrapping_add(in_turn)
+    }
+
+    /// The encoder has so many counts in a turn; positions stay those of the motor. It goes on from where it is, with the angle that it has.
+    pub fn set_counts(&mut self, counts: u32) {
+        let (position, angle) = (self.position(), self.angle());
+        let counts = counts.clamp(1, 1 << 24);
+        self.counts = counts;
+        self.scale = (u64::from(self.positions) << 32).div_ceil(u64::from(counts));
+        self.set_pole_pairs(self.pole_pairs);
+        (self.counted, self.turns, self.in_turn, self.index) = (0, 0, 0, None);
+        self.begin = position;
+        self.set_angle(angle);
     }
 
     /// The electrical angle of the middle of the count, by the offset that was found.
@@ -107,6 +145,7 @@ impl Incremental {
 
     /// Other pole pairs, from where the count within the turn is 0.
     pub fn set_pole_pairs(&mut self, pole_pairs: u16) {
+        self.pole_pairs = pole_pairs;
         let counts = u64::from(self.counts.max(1));
         // Of a half: the whole is that twice, and no more than a last bit off.
         let turns = u64::from(pole_pairs) << 31;
@@ -157,6 +196,38 @@ mod tests {
                 let exact = Angle::from_bits((turns.fract() * 4_294_967_296.0) as u32);
                 prop_assert!(encoder.angle().minus(exact).turns().abs() < 1e-5);
             }
+        }
+    }
+
+    proptest! {
+        /// Where the encoder has another number of counts than the turn positions, both are exact at each count, whatever the way.
+        #[test]
+        fn positions_are_those_of_the_motor_whatever_the_encoder_counts(
+            moves in prop::collection::vec(any::<i16>(), 1..200),
+            counts in 16..100_000_u32,
+            positions in 16..1_000_000_u32,
+        ) {
+            let motor = Motor { counts: positions, ..servo_100w() };
+            let mut encoder = Incremental::new(&motor, 77, 2);
+            encoder.set_counts(counts);
+            let (mut timer, mut counted) = (77_u16, 0_i64);
+            for moved in moves {
+                timer = timer.wrapping_add_signed(moved);
+                counted += i64::from(moved);
+                encoder.look(timer);
+                let exact = (counted * i64::from(positions)).div_euclid(counts.into());
+                prop_assert_eq!(encoder.position(), exact);
+                let turns = (counted.rem_euclid(counts.into()) as f64 + 0.5) * 4.0 / f64::from(counts);
+                let angle = Angle::from_bits((turns.fract() * 4_294_967_296.0) as u32);
+                // It began in the middle of a count of the motor.
+                let begun = Angle::from_turns(2.0 / positions as f32 - 2.0 / counts as f32);
+                prop_assert!(encoder.angle().minus(angle).minus(begun).turns().abs() < 1e-5);
+            }
+            let (position, angle) = (encoder.position(), encoder.angle());
+            encoder.set_counts(positions);
+            prop_assert_eq!((encoder.position(), encoder.angle()), (position, angle));
+            encoder.look(timer.wrapping_add(9));
+            prop_assert_eq!(encoder.position(), position + 9);
         }
     }
 

@@ -5,9 +5,11 @@ use ::servo::interrupt::Counts;
 use ::servo::stage::drv8301::{Gain, Settings};
 use ::servo::stage::{sensors, thermistor, BridgeDriver, Counter, GateDriver};
 use ::servo::Implausible;
-use cia402::{DriveConfig, Exchange, Inputs, Outputs};
+use cia402::{Behaviour, DriveConfig, Exchange, Inputs, Outputs};
 use motion::{PulseSink, Record};
-use runtime::servo::{Current, Feedback, Link, Loops, Port, ServoData, ServoObjects, StageData};
+use runtime::servo::{
+    Current, Feedback, Link, Loops, Port, ServoData, ServoObjects, ServoSettings, StageData,
+};
 use runtime::PowerStage;
 
 use super::dictionary::Dictionary;
@@ -31,6 +33,7 @@ fn data() -> Result<ServoData, Implausible> {
                 offset: angle(),
             },
         },
+        encoder: any(),
         stage: StageData {
             period: number(),
             control: any() as u8,
@@ -84,7 +87,8 @@ pub fn loops(config: DriveConfig) -> Result<(), Implausible> {
     let mut current = Current::new(Loops::new(&data()?, any() as u16, magnet)?, &LINK, any());
     let mut servo_objects = ServoObjects::default();
     let mut dictionary = Dictionary::new();
-    let mut stage = AnyServo(Port::new(&LINK, any(), any() as u16));
+    let mut product = <Dictionary as cia402::Objects>::Behaviour::default();
+    let mut stage = AnyServo(Port::new(&LINK, any(), any() as u16).with_counts(any(), any()));
     let mut exchange = Exchange::new();
     let mut control = Axis402::control(config);
     let settings = Settings {
@@ -121,6 +125,11 @@ pub fn loops(config: DriveConfig) -> Result<(), Implausible> {
                 let (settings, request) = servo_objects.read(&dictionary);
                 LINK.set_up(settings, request);
                 servo_objects.show(&mut dictionary, &LINK.found());
+                // That of a product, if the data sheet is one's.
+                let mut settings = ServoSettings::NONE;
+                let told = LINK.told_beside(&data()?);
+                let request = product.loops(&mut dictionary, &told, &mut settings);
+                LINK.set_up(settings, request);
             }
             2 => {
                 LINK.set_stage(thermistor::tenths(any() as u16), any() == 0);

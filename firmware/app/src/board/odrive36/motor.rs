@@ -52,6 +52,7 @@ pub const DATA: ServoData = ServoData {
     bandwidth: 600.0,
     speed: 3_000,
     feedback: Feedback::Incremental,
+    encoder: 0,
     stage: StageData {
         period: PERIOD / CORE_HZ as f32,
         control: 5,

@@ -17,13 +17,16 @@ use core::ptr::addr_of_mut;
 use ::servo::modulation::Widths;
 use cortex_m::peripheral::NVIC;
 use motion::DriverTiming;
-use runtime::servo::{self, Link, Loops, Port};
+use runtime::servo::{self, Link, Loops, Port, ServoData};
 use stm32f4xx_hal::pac;
+
+use ::servo::Motor;
 
 use self::orders::{LinkedServoObjects, Orders};
 use super::chip::{self, TIMERS_HZ};
 use super::{own, Board, Selected};
 use crate::control::RATE_HZ;
+use crate::dictionary::POSITIONS;
 
 /// Nothing takes pulses: they are so short that no speed of a motor is beyond them.
 pub const TIMING: DriverTiming = DriverTiming {
@@ -31,6 +34,19 @@ pub const TIMING: DriverTiming = DriverTiming {
     pulse_low: 8,
     direction_setup: 0,
     direction_hold: 0,
+};
+
+/// Motor and stage. A product counts the positions of a turn in its own way, whatever the encoder of the board counts.
+pub const DATA: ServoData = match POSITIONS {
+    Some(positions) => ServoData {
+        motor: Motor {
+            counts: positions,
+            ..own::DATA.motor
+        },
+        encoder: own::DATA.motor.counts,
+        ..own::DATA
+    },
+    None => own::DATA,
 };
 
 /// What the tasks copy from one to the other.
@@ -76,7 +92,7 @@ pub fn start(
     bridges: impl FnOnce() -> own::Bridges,
 ) -> (Orders, LinkedServoObjects) {
     let timer = encoder::count();
-    let Ok(loops) = Loops::new(&own::DATA, timer, None) else {
+    let Ok(loops) = Loops::new(&DATA, timer, None) else {
         panic!("the motor of the board cannot be one");
     };
     let inner = Inner {
@@ -91,7 +107,9 @@ pub fn start(
         link: &LINK,
         objects: servo::ServoObjects::default(),
     };
-    (Orders(Port::new(&LINK, chip::ticks(), timer)), objects)
+    let port = Port::new(&LINK, chip::ticks(), timer);
+    let port = port.with_counts(own::DATA.motor.counts, DATA.motor.counts);
+    (Orders(port), objects)
 }
 
 /// See [`Board::on_current`].

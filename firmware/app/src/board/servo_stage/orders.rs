@@ -1,10 +1,10 @@
 //! The port of the servo axis, in place of pulses; and the objects of the servo in the dictionary.
 
-use canopen::od;
-use cia402::{ServoOrder, ServoPort, ServoReport};
+use cia402::{Behaves, Behaviour, ServoOrder, ServoPort, ServoReport};
 use motion::{PulseSink, Record, Ticks};
-use runtime::servo::{self, Link, Port};
+use runtime::servo::{self, Link, Port, ServoSettings};
 
+use super::DATA;
 use crate::board::{chip, Pulses, ServoObjects};
 
 /// Records that are nothing but time, and orders.
@@ -68,7 +68,22 @@ pub struct LinkedServoObjects {
 }
 
 impl ServoObjects for LinkedServoObjects {
-    fn attend<D: od::Dictionary>(&mut self, dictionary: &mut D) {
+    fn attend<D: Behaves>(
+        &mut self,
+        dictionary: &mut D,
+        product: &mut D::Behaviour,
+        has_ticked: bool,
+    ) {
+        if D::Behaviour::IS_THERE {
+            // It counts ticks.
+            if has_ticked {
+                let mut settings = ServoSettings::NONE;
+                let told = self.link.loop_report(&DATA);
+                let request = product.loops(dictionary, &told, &mut settings);
+                self.link.set_up(settings, request);
+            }
+            return;
+        }
         let (settings, request) = self.objects.read(dictionary);
         self.link.set_up(settings, request);
         self.objects.show(dictionary, &self.link.found());

@@ -42,6 +42,7 @@ pub const DATA: ServoData = ServoData {
     bandwidth: 700.0,
     speed: 1_200,
     feedback: Feedback::Incremental,
+    encoder: 0,
     stage: StageData {
         period: PERIOD / CORE_HZ as f32,
         control: 5,
