@@ -4,7 +4,7 @@
 //! CommOffset, MTANGLP and MVANGLF electrical
 //! degrees, MVANGLB and VCOMM 1/min; the motor of the axis has number 1, and 0 is one whose data are written; ITMode 1 makes a fault of
 //! spent I²t; CommMode 0 goes by the sensors of the axis, 1 by the encoder alone, so that the magnet is looked for; KVP and KPP 1/s, KVI Hz, KVFF, KTFF and MLGQ thousandths, MLGC, MLGP and MLGD thousandths of that, I2TLIM percent; ISCALE1 mA
-//! at 10 V. Of motor data and gains 0 is what the axis has.
+//! at 10 V. Of motor data, gains and EncIn1Lines 0 is what the axis has.
 
 use canopen::cia301::sdo::AbortCode;
 use canopen::od::{Dictionary, Entry};
@@ -192,6 +192,8 @@ impl Servo {
         settings.motor = [0, inductance, inductance, long(flux), 0, 0];
         settings.offset = turned(of(0x359C) + of(0x38FD)).cast_unsigned();
         settings.is_searched = of(0x38F8) == 1;
+        // Four counts of a line.
+        settings.encoder = long(of(0x38FA).saturating_mul(4));
         settings.lead = lead(dictionary, report);
         // It knows no blocked rotor.
         settings.blocked = (0, 10);

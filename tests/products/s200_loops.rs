@@ -1,5 +1,8 @@
 //! The gains of the loops of the S200, what goes ahead of them, and CTUNE.
 
+use sim::drive::Setup;
+use sim::plant::{Axis, ServoAxisData};
+
 use crate::bench::Bench;
 use crate::s200_servo::{RATED, enabled, get, held, rotor, s200, set, torque};
 use crate::steer::{NODE, begin, current, number, on_servo, plant, position};
@@ -93,6 +96,32 @@ fn the_s200_tells_that_nothing_goes_ahead() {
     bench.run(350);
     assert!(get(&mut bench, 0x35C5).abs() > 2_000, "it lags");
     assert_eq!(bench.read(NODE, 0x1002, 0) >> 22 & 1, 1);
+}
+
+/// EncIn1Lines: an encoder with other lines than the axis has is none, until the drive knows of them.
+#[test]
+fn the_lines_of_the_encoder_are_those_of_the_s200() {
+    let mut data = ServoAxisData::named("servo_100w").unwrap();
+    data.other_counts = Some(10_000);
+    for (lines, is_right) in [(2_500, true), (0, false), (3_000, false)] {
+        let setup = Setup {
+            axis: Some(Axis::bare_servo(&data)),
+            ..Setup::with_node_id(1, NODE)
+        };
+        let mut bench = Bench::new("s200", setup);
+        number(&mut bench, 0x6080, 0, 2_500);
+        set(&mut bench, 0x38FA, lines);
+        bench.run(20);
+        let mut bench = enabled(bench, 1);
+        begin(&mut bench, 3 * 65_536, 655_360, 6_553_600);
+        bench.run(1_000);
+        let turns = rotor(&mut bench) / 65_536.0;
+        // A count of the encoder are 6.6 positions.
+        assert_eq!((turns - 3.0).abs() < 3e-4, is_right, "{lines}: {turns}");
+        if is_right {
+            assert!((position(&mut bench) - 3 * 65_536).abs() <= 14);
+        }
+    }
 }
 
 /// CommMode: by the Hall sensors nothing moves before the torque; by the encoder alone the magnet is looked for, and a Hall sensor may say anything.

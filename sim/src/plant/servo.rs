@@ -67,6 +67,8 @@ pub struct ServoAxisData {
     pub magnet: Magnet,
     /// Where the rotor stands at first, in rad.
     pub start: f64,
+    /// The encoder of another motor is on it: the counts that it has in a turn, while the loops know those of the plant.
+    pub other_counts: Option<u32>,
 }
 
 /// A ready axis of a servo motor with other sensors.
@@ -107,6 +109,7 @@ const fn axis(
         speed,
         magnet: Magnet::Known,
         start: 0.0,
+        other_counts: None,
     }
 }
 
@@ -203,7 +206,9 @@ pub struct ServoMotor {
 impl ServoMotor {
     /// At rest, with an encoder at 0.
     pub fn new(data: &ServoAxisData, seed: u64) -> Self {
-        let mut plant = Plant::new(data.plant, seed).turning(data.start, 0.0);
+        let mut sensed = data.plant;
+        sensed.sensors.counts = data.other_counts.unwrap_or(sensed.sensors.counts);
+        let mut plant = Plant::new(sensed, seed).turning(data.start, 0.0);
         let is_known = data.magnet == Magnet::Known;
         let magnet = is_known.then(|| angle(plant.electrical_angle()));
         let timer = match data.magnet {
