@@ -19,7 +19,7 @@ use crate::feedback::FeedbackFault;
 use crate::filter::Filter;
 use crate::interrupt::CurrentInterrupt;
 use crate::motor::Implausible;
-use crate::number::{between, fade, limit, root};
+use crate::number::{between, fade, lesser, limit, root};
 use crate::protection::{Bus, Derating, Thermal};
 use crate::stepper::{Stepper, StepperConfig};
 use crate::transform::Rotor;
@@ -109,6 +109,10 @@ enum Holder {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Control {
     motor: Motor,
+    /// Of the motor, in N·m/A.
+    torque_constant: f32,
+    /// What is left of a difference to what is shown, a period later.
+    shows: f32,
     config: ControlConfig,
     cascade: Cascade,
     /// Holds positions in place of the loops.
@@ -150,6 +154,8 @@ impl Control {
         let (rated, peak) = (motor.rated_current, motor.peak_current);
         let (stage, stage_time) = config.stage;
         Ok(Self {
+            torque_constant: motor.torque_constant(),
+            shows: fade(1.0 / SHOWN, period),
             motor,
             config,
             cascade,
@@ -298,13 +304,13 @@ impl Control {
             return Err(fault);
         }
         let current = interrupt.current.current();
-        let keeps = fade(1.0 / SHOWN, self.config.period);
         self.shown = Rotor {
-            d: current.d + keeps * (self.shown.d - current.d),
-            q: current.q + keeps * (self.shown.q - current.q),
+            d: current.d + self.shows * (self.shown.d - current.d),
+            q: current.q + self.shows * (self.shown.q - current.q),
         };
         let [motor, stage] = &mut self.thermal;
-        let heat = motor.run(current.square()).min(stage.run(current.square()));
+        let square = current.square();
+        let heat = lesser(motor.run(square), stage.run(square));
         let limits = self.limits(heat * share, actual.velocity, seen.bus);
         let Some(order) = self.order else {
             return Ok(Rotor::ZERO);
@@ -370,7 +376,7 @@ impl Control {
     /// What there is to tell.
     pub fn report(&self, interrupt: &CurrentInterrupt) -> Report {
         let current = self.shown;
-        let constant = self.motor.torque_constant();
+        let constant = self.torque_constant;
         let saliency = self.motor.inductance_d - self.motor.inductance_q;
         let torque = constant * (1.0 + saliency * current.d / self.motor.flux) * current.q;
         let size = root(current.square());
@@ -402,7 +408,7 @@ impl Control {
 
     /// What the order says now, and whether it is a position.
     fn demand(&mut self, order: &Order) -> (Demand, bool) {
-        let current = order.torque / self.motor.torque_constant();
+        let current = order.torque / self.torque_constant;
         let Goal::Position {
             counts,
             part,
@@ -434,7 +440,7 @@ impl Control {
     /// The least of all limits, as currents.
     fn limits(&self, heat: f32, velocity: f32, bus: f32) -> Limits {
         let (positive, negative) = self.order.map_or((0.0, 0.0), |order| order.max_torque);
-        let by_torque = 1.0 / self.motor.torque_constant();
+        let by_torque = 1.0 / self.torque_constant;
         let braking = self.config.bus.braking(bus);
         // Slow motion gives nothing back: what brakes there is lost in the winding.
         let brakes = velocity.abs() > 1.0;
@@ -455,7 +461,7 @@ impl Control {
     /// What is left of the limits before a speed, in counts/s.
     fn below_speed(&self, limits: Limits, speed: f32, velocity: f32) -> Limits {
         let max = limit(speed, 1e12) * self.count;
-        let push = self.config.gains.velocity * self.motor.inertia / self.motor.torque_constant();
+        let push = self.config.gains.velocity * self.motor.inertia / self.torque_constant;
         let left = |room: f32, limit: f32| between(push * room, -limit, limit);
         Limits {
             positive: left(max - velocity, limits.positive),

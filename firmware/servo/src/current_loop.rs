@@ -421,7 +421,7 @@ impl Keeping {
 }
 
 /// What is beyond a circle by its radius and the square of that: d first, and of q what it leaves. NaN is 0.
-#[inline(never)]
+#[inline(always)]
 fn d_first(wanted: Rotor, max: f32, square: f32) -> Rotor {
     let d = limit(wanted.d, max);
     let left = lesser(wanted.q.abs(), root_of_number(square - d * d));

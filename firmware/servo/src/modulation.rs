@@ -96,7 +96,7 @@ impl Modulation {
     }
 
     /// The pulse widths of a voltage, with the currents of the phases, on a bus by whose inverse it is multiplied.
-    #[inline]
+    #[inline(always)]
     pub fn widths(&self, voltage: Stator, currents: [f32; 3], by_bus: f32) -> Widths {
         let parts = self.by_reach * by_bus;
         let [a, b, c] = Stator {

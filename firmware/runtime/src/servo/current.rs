@@ -55,8 +55,8 @@ impl Current {
     /// A period: pulse widths, or none where the gates are to be off.
     #[inline]
     pub fn period(&mut self, counts: &Counts) -> Option<Widths> {
-        let widths = self.loops.period(counts, self.temperature);
-        widths.filter(|_| self.loops.fault().is_none())
+        let widths = self.loops.period(counts, self.temperature)?;
+        self.loops.fault().is_none().then_some(widths)
     }
 
     /// What is above the current, behind [`Current::period`], at this count of the clock. Returns whether the gates may be on.
@@ -83,10 +83,12 @@ impl Current {
     }
 
     /// The share of the time for which the brake chopper is to be on from now on, 0 to 1; told once in as many periods.
+    #[inline]
     pub fn chopping(&self, counts: &Counts) -> Option<f32> {
         (self.at == 0).then(|| self.loops.chopping(counts))
     }
 
+    #[inline(never)]
     fn take_orders(&mut self) {
         self.link.take_orders(|orders| {
             self.temperature = orders.temperature;
@@ -97,6 +99,7 @@ impl Current {
         });
     }
 
+    #[inline(never)]
     fn take_set_up(&mut self) {
         self.link.take_set_up(self.waits, |settings, request| {
             self.waits = !self.loops.set_up(settings);
@@ -107,6 +110,7 @@ impl Current {
         });
     }
 
+    #[inline(never)]
     fn publish(&self, counts: &Counts) {
         let report = self.loops.control_report();
         self.link.publish(leads(&report), || LoopStatus {
@@ -122,7 +126,7 @@ impl Current {
     fn publish_found(&mut self) {
         if !self.is_found_published {
             let is_published = self.link.publish_found(self.loops.found());
-            self.is_found_published = is_published && !self.loops.wants_free();
+            self.is_found_published = is_published && !self.loops.is_measuring();
         }
     }
 }

@@ -247,14 +247,6 @@ impl Loops {
         &self.measurement.found
     }
 
-    /// Whether the axis is to let the motor go.
-    pub(super) fn wants_free(&self) -> bool {
-        matches!(
-            self.measurement.work,
-            Work::Waits(_) | Work::Runs | Work::Excites
-        )
-    }
-
     /// Where the loops hold a motor that the axis has let go.
     pub(super) fn held_at(&self) -> Option<i64> {
         matches!(self.measurement.work, Work::Excites).then_some(self.measurement.begin)
@@ -293,7 +285,14 @@ impl Loops {
         matches!(self.measurement.work, Work::Runs)
     }
 
-    /// The same at the beginning of a period: it takes the motor as soon as the axis has let it go.
+    /// Whether one waits for the motor, or has it.
+    #[inline]
+    pub(super) fn is_measuring(&self) -> bool {
+        !matches!(self.measurement.work, Work::Nothing | Work::Ended)
+    }
+
+    /// Whether it has the motor, at the beginning of a period: it takes the motor as soon as the axis has let it go.
+    #[inline(never)]
     pub(super) fn measures(&mut self) -> bool {
         let is_free = self
             .order

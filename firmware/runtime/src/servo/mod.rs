@@ -22,6 +22,8 @@ mod orders;
 mod port;
 mod settings;
 
+use core::hint::cold_path;
+
 use cia402::{ServoOrder, ServoReport};
 use servo::control::{Fault, Report, Seen};
 use servo::feedback::commutation::Step;
@@ -196,38 +198,59 @@ impl Loops {
     /// A period of the modulation, with the stage so hot, in 0.1 °C: the pulse widths; without any the gates are to be off.
     #[inline]
     pub fn period(&mut self, counts: &Counts, hot: i16) -> Option<Widths> {
-        let is_off = !self.is_on || self.settings.is_barred;
-        let widths = if is_off || self.fault.is_some() {
+        let runs = self.runs() && self.fault.is_none();
+        if !runs || self.is_measuring() && self.measures() {
+            cold_path();
+            return self.period_beside(counts, hot);
+        }
+        match self.interrupt.run(counts) {
+            Ok(widths) => Some(widths),
+            Err(trip) => {
+                cold_path();
+                self.control.fail(trip.into());
+                self.fault = self.control.fault();
+                None
+            }
+        }
+    }
+
+    /// Whether the loops may run: there is power, and nothing comes before them.
+    #[inline]
+    fn runs(&self) -> bool {
+        self.is_on && !self.settings.is_barred && self.begin == Begin::Over
+    }
+
+    /// A period in which they do not.
+    #[inline(never)]
+    fn period_beside(&mut self, counts: &Counts, hot: i16) -> Option<Widths> {
+        let widths = if !self.is_on || self.settings.is_barred || self.fault.is_some() {
             self.look(counts);
             None
         } else if self.begin != Begin::Over {
             self.look(counts);
             self.get_ready(counts)
-        } else if self.measures() {
-            self.measure(counts, hot)
         } else {
-            let widths = self.interrupt.run(counts);
-            widths.map_err(|trip| self.control.fail(trip.into())).ok()
+            self.measure(counts, hot)
         };
         self.fault = self.control.fault();
         widths
     }
 
     /// What is above the current, where it is due; `since` is the time from when the order was given, in s, and its positions count from `origin` on.
+    #[inline]
     pub fn control(&mut self, counts: &Counts, since: f32, origin: i64, hot: i16) {
         let is_due = self.periods == 0;
         self.periods += 1;
         if self.periods >= self.data.stage.control {
             self.periods = 0;
         }
-        if !is_due
-            || !self.is_on
-            || self.settings.is_barred
-            || self.begin != Begin::Over
-            || self.is_measured()
-        {
-            return;
+        if is_due && self.runs() && !self.is_measured() {
+            self.run_control(counts, since, origin, hot);
         }
+    }
+
+    #[inline(never)]
+    fn run_control(&mut self, counts: &Counts, since: f32, origin: i64, hot: i16) {
         if let Some(order) = &self.order {
             let held = self.held_at();
             let order = orders::order(order, &self.motor, origin, held, self.settings.ahead);
@@ -313,7 +336,7 @@ impl Loops {
         let counts = self.position().wrapping_sub(origin);
         // What has failed does not begin any more, and is not waited for.
         let begins = self.begin != Begin::Over && self.fault.is_none();
-        let wants_free = self.wants_free() || begins;
+        let wants_free = self.is_measuring() || begins;
         orders::report(report, counts, wants_free)
     }
 

@@ -8,8 +8,14 @@ use servo::control::{Fault, Goal, Order, Report};
 /// 2³²: of a speed in counts/s.
 const BITS: f32 = 4_294_967_296.0;
 
+/// In counts/s, by halves: what goes from 64 bits into a float at once is a call.
 fn speed(bits: i64) -> f32 {
-    bits as f32 / BITS
+    (bits >> 32) as i32 as f32 + part(bits as u32)
+}
+
+/// Behind the point.
+fn part(bits: u32) -> f32 {
+    bits as f32 * (1.0 / BITS)
 }
 
 /// Thousandths.
@@ -67,7 +73,7 @@ pub(super) fn order(
         torque: order.torque as f32 * 1e-6,
         velocity_ahead: speed(order.velocity_ahead.bits()) + less,
         max_torque: (max(order.max_torque.0), max(order.max_torque.1)),
-        speed: order.velocity.bits() as f32 / BITS,
+        speed: (order.velocity.bits() >> 32) as u32 as f32 + part(order.velocity.bits() as u32),
     }
 }
 

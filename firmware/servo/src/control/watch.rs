@@ -91,7 +91,8 @@ impl Watch {
         velocity: f32,
     ) -> Option<Fault> {
         let current = interrupt.current.current();
-        if !is_within(velocity.abs(), 0.0, self.max_speed) {
+        let is_held = velocity.abs() <= self.max_speed;
+        if !is_held {
             return Some(Fault::OverSpeed);
         }
         let angle = interrupt.observer.angle().sine_cosine();
@@ -105,7 +106,7 @@ impl Watch {
         let carried = current.beside_stator(angle);
         let phases = |stator: Stator| stator.phases(self.motor.wiring);
         let (share, time) = ADDED_UP;
-        if is_within(seen.sum.abs(), 0.0, share * self.motor.rated_current) {
+        if seen.sum.abs() <= share * self.motor.rated_current {
             self.unequal = 0.0;
         } else {
             self.unequal += self.period;
@@ -130,9 +131,12 @@ impl Watch {
             }
         }
         // A magnet that turns where the encoder stands drives what the model does not know.
-        let unknown = root(unknown.square());
+        let unknown = unknown.square();
         let known = self.motor.resistance * self.motor.rated_current + 0.03 * seen.bus;
-        let is_astray = unknown > known + UNKNOWN * self.motor.resistance * root(current.square());
+        let of_current = UNKNOWN * self.motor.resistance;
+        // Most of the time it is below what needs no root.
+        let is_astray =
+            unknown > known * known && root(unknown) > known + of_current * root(current.square());
         self.astray = if is_astray {
             self.astray + self.period
         } else {
@@ -162,7 +166,7 @@ impl Watch {
             .zip(asked.iter().zip(acts));
         for (((reading, since), carried), (asked, acts)) in phases.take(self.motor.wiring.phases())
         {
-            let is_still = is_within((carried - *reading).abs(), 0.0, within * rated);
+            let is_still = (carried - *reading).abs() <= within * rated;
             let is_away = (carried - asked).abs() > away * rated;
             if is_still && is_away && acts.abs() > share * bus {
                 *since += self.period;

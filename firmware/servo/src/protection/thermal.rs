@@ -14,6 +14,7 @@ const REST: f32 = 0.1;
 pub struct Thermal {
     rated_square: f32,
     peak_square: f32,
+    peak: f32,
     period: f32,
     /// In A²s.
     budget: f32,
@@ -34,6 +35,7 @@ impl Thermal {
         let thermal = Self {
             rated_square,
             peak_square,
+            peak,
             period,
             budget: (peak_square - rated_square) * time,
             spent: 0.0,
@@ -44,16 +46,16 @@ impl Thermal {
     /// A period with this square of the current has passed, in A². Gives the greatest current for the next, in A.
     pub fn run(&mut self, square: f32) -> f32 {
         // A square that is NaN is the worst.
-        let square = if is_within(square, 0.0, 1e8) {
-            square
-        } else {
-            1e8
-        };
+        let square = if square <= 1e8 { square } else { 1e8 };
         let spent = self.spent + (square - self.rated_square) * self.period;
         self.spent = between(spent, 0.0, self.budget);
         let left = self.budget - self.spent;
-        let share = if self.budget > 0.0 {
-            between(left / (REST * self.budget), 0.0, 1.0)
+        let rest = REST * self.budget;
+        if left >= rest && rest > 0.0 {
+            return self.peak;
+        }
+        let share = if rest > 0.0 {
+            between(left / rest, 0.0, 1.0)
         } else {
             0.0
         };

@@ -208,10 +208,7 @@ impl Tuning {
         self.position = self.position.wrapping_add(moved.cast_signed().into());
         let step = match self.step(seen, timer) {
             Ok(Next::Widths(widths)) => return Step::Widths(widths),
-            Ok(Next::Voltage(voltage)) => {
-                let by_bus = 1.0 / seen.bus;
-                return Step::Widths(self.setup.modulation.widths(voltage, seen.currents, by_bus));
-            }
+            Ok(Next::Voltage(voltage)) => return self.widths(voltage, seen),
             Ok(Next::Finished) => self.go_on(timer),
             Err(failure) => Err(failure),
         };
@@ -222,12 +219,14 @@ impl Tuning {
             Part::Over(Ok(())) => Step::Done(self.measured),
             Part::Over(Err(failure)) => Step::Failed(failure),
             // The next part begins with its own voltage a period later.
-            _ => Step::Widths(self.setup.modulation.widths(
-                Stator::default(),
-                seen.currents,
-                1.0 / seen.bus,
-            )),
+            _ => self.widths(Stator::default(), seen),
         }
+    }
+
+    #[inline(never)]
+    fn widths(&self, voltage: Stator, seen: &Seen) -> Step {
+        let by_bus = 1.0 / seen.bus;
+        Step::Widths(self.setup.modulation.widths(voltage, seen.currents, by_bus))
     }
 
     fn step(&mut self, seen: &Seen, timer: u16) -> Result<Next, Failure> {

@@ -68,8 +68,8 @@ impl Bridges {
 
 impl servo_stage::Bridges for Bridges {
     #[inline]
-    fn put(&mut self, widths: Option<Widths>) {
-        self.motor.put(widths, |timer, [a, b, c]| {
+    fn put(&mut self, [a, b, c]: Widths) {
+        self.motor.put(|timer| {
             let put = |width: i16| COUNTER.half_bridge(width).into();
             // SAFETY: compare values up to the top.
             unsafe {
@@ -78,6 +78,10 @@ impl servo_stage::Bridges for Bridges {
                 timer.ccr3().write(|w| w.bits(put(c)));
             }
         });
+    }
+
+    fn off(&mut self) {
+        self.motor.off();
     }
 
     fn burn(&mut self, share: f32) {

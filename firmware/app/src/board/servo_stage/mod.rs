@@ -60,8 +60,11 @@ pub trait Bridges {
         true
     }
 
-    /// The widths that act from the bottom of the count on; without any all switches are off.
-    fn put(&mut self, widths: Option<Widths>);
+    /// The widths that act from the bottom of the count on.
+    fn put(&mut self, widths: Widths);
+
+    /// All switches are off until there are widths.
+    fn off(&mut self);
 
     /// The share of the time for which a brake resistor burns.
     fn burn(&mut self, share: f32) {
@@ -122,10 +125,12 @@ pub fn on_current() {
         return;
     }
     let counts = inner.converters.read(encoder::count());
-    let widths = inner.current.period(&counts);
-    inner.bridges.put(widths);
+    match inner.current.period(&counts) {
+        Some(widths) => inner.bridges.put(widths),
+        None => inner.bridges.off(),
+    }
     if !inner.current.control(&counts, chip::ticks()) {
-        inner.bridges.put(None);
+        inner.bridges.off();
     }
     if let Some(share) = inner.current.chopping(&counts) {
         inner.bridges.burn(share);

@@ -6,7 +6,6 @@
 
 use core::sync::atomic::{AtomicBool, Ordering};
 
-use servo::modulation::Widths;
 use servo::stage::Counter;
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
@@ -97,16 +96,10 @@ impl Motor {
         }
     }
 
-    /// The widths that act from the bottom on, by `write` to the compare values; without any all
-    /// switches are off.
+    /// Widths act from the bottom on, by `write` to the compare values.
     #[inline]
-    pub fn put(&mut self, widths: Option<Widths>, write: impl FnOnce(&pac::TIM1, Widths)) {
-        let Some(widths) = widths else {
-            self.is_armed = false;
-            gates_off();
-            return;
-        };
-        write(&self.timer, widths);
+    pub fn put(&mut self, write: impl FnOnce(&pac::TIM1)) {
+        write(&self.timer);
         // Those of the period before act.
         if core::mem::replace(&mut self.is_armed, true) && !has_tripped() {
             gates_on();
@@ -114,9 +107,16 @@ impl Motor {
         // A trip between the look at it and the switch is seen here, one that comes later switches
         // off itself.
         if has_tripped() {
-            self.is_armed = false;
-            gates_off();
+            self.off();
         }
+    }
+
+    /// All switches are off until there are widths.
+    #[cold]
+    #[inline(never)]
+    pub fn off(&mut self) {
+        self.is_armed = false;
+        gates_off();
     }
 }
 

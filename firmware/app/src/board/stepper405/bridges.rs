@@ -61,8 +61,8 @@ impl servo_stage::Bridges for Bridges {
     }
 
     #[inline]
-    fn put(&mut self, widths: Option<Widths>) {
-        self.motor.put(widths, |timer, [a, b, _]| {
+    fn put(&mut self, [a, b, _]: Widths) {
+        self.motor.put(|timer| {
             let [a, back_a] = COUNTER.full_bridge(a).map(u32::from);
             let [b, back_b] = COUNTER.full_bridge(b).map(u32::from);
             // SAFETY: compare values up to the top.
@@ -73,6 +73,10 @@ impl servo_stage::Bridges for Bridges {
                 timer.ccr4().write(|w| w.bits(back_b));
             }
         });
+    }
+
+    fn off(&mut self) {
+        self.motor.off();
     }
 }
 
