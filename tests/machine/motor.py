@@ -43,6 +43,8 @@ class Motor:
         self.duties, self.most = None, 0.0
         chip.adc.levels |= {channel: Level(self, *what) for channel, what in self.channels.items()}
         chip.tim1.centre.on_change = self.changed
+        #: The counts in which the index is high, in this turn and in each other.
+        self.index = range(0)
         for pin in ("PB4", "PB5"):
             chip.pins.drive(pin, 0)
 
@@ -121,6 +123,10 @@ class Motor:
             for pin, level in zip(("PB4", "PB5"), LINES[self.count % 4]):
                 if self.chip.pins.level(pin) != level:
                     self.chip.pins.drive(pin, level)
+            if self.index:
+                index = (self.count - self.index.start) % self.counts < len(self.index)
+                if self.chip.pins.level("PC9") != index:
+                    self.chip.pins.drive("PC9", int(index))
 
 
 class Stepper(Motor):

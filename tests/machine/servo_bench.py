@@ -60,6 +60,7 @@ def move(servo, way):
     servo.bench.milliseconds(5)
     target = servo[0x6064] + way
     servo[0x607A] = target
+    servo[0x6040] = ENABLE
     servo[0x6040] = ENABLE | 0x10
     return target
 

@@ -108,6 +108,23 @@ def test_a_position_is_reached_and_a_fault_of_the_gate_driver_takes_the_current_
     assert abs(motor.count - target) <= 2
 
 
+def test_counts_that_are_lost_are_a_fault_at_the_next_index(found):
+    servo, chip, motor = found, found.chip, found.chip.motor
+    servo[0x6081], servo[0x6083], servo[0x6084] = 100_000, 4_000_000, 4_000_000
+    # Two counts wide: whole turns later and from the other side it comes where it may.
+    motor.index = range(motor.count + 1_000, motor.count + 1_002)
+    for way in (12_000, -12_000):
+        target = move(servo, way)
+        servo.bench.milliseconds(180)
+        assert abs(servo[0x6064] - target) <= 2 and servo.state() == OPERATION_ENABLED
+    # Five are lost.
+    motor.index = range(motor.index.start - 5, motor.index.stop - 5)
+    move(servo, 12_000)
+    servo.until(lambda: servo.state() == FAULT, "fault")
+    assert servo[0x603F] == 0x7305
+    assert chip.tim1.centre.duties() is None
+
+
 def test_the_current_interrupt_is_over_before_its_widths_are_taken(found):
     """In clocks by the model of cost; the loops above the current run in one of five."""
     hold(found, 300)

@@ -34,12 +34,14 @@ class Timer(Peripheral):
 
 
 class Tim3(Timer):
-    """Overflows again and again, or counts the edges of an encoder (RM0090, 18.3.12): the level of the other line at an edge says the way."""
+    """Overflows again and again, or counts the edges of an encoder (RM0090, 18.3.12): the level of the other line at an edge says the way. Channel 4
+    captures the count at a rising edge, the index of an encoder."""
 
     NAME, CLOCK = "TIM3", (0x40, 1)
-    REGISTERS = registers(16, SMCR=0xFFF7, DIER=1, CCMR1=0xF1F1, CCER=0x22, CNT=0xFFFF, PSC=0xFFFF, ARR=0xFFFF)
+    REGISTERS = registers(16, SMCR=0xFFF7, DIER=1, CCMR1=0xF1F1, CCMR2=0xF100, CCER=0x1022, CCR4=0xFFFF, CNT=0xFFFF, PSC=0xFFFF, ARR=0xFFFF)
     #: Pins that can be channels 1 and 2.
     LINES = {"PA6": 1, "PB4": 1, "PC6": 1, "PA7": 2, "PB5": 2, "PC7": 2}
+    INDEX = "PC9"
     #: By SMS: of which channels the edges count.
     ENCODER = {1: (2,), 2: (1,), 3: (1, 2)}
 
@@ -83,7 +85,24 @@ class Tim3(Timer):
         self.breach(f"line {channel} of the encoder has no pin")
         return 0
 
-    def pin(self, pin, _level):
+    def write_CCMR2(self, value):
+        if self["CCER"] & 0x1000:
+            self.breach("CCMR2 is written while channel 4 is on")
+        self["CCMR2"] = value
+
+    def capture(self):
+        if self["SR"] & 1 << 4:
+            self["SR"] |= 1 << 12
+        self["CCR4"] = self["CNT"]
+        self["SR"] |= 1 << 4
+
+    def read_CCR4(self):
+        self["SR"] &= ~(1 << 4)
+        return self["CCR4"]
+
+    def pin(self, pin, level):
+        if pin == self.INDEX and level and self["CCER"] & 0x1000 and self["CCMR2"] & 0x300 == 0x100 and self.chip.gpio["C"].function(9) == 2:
+            self.capture()
         channel = self.LINES.get(pin)
         if channel not in self.ENCODER.get(self.mode(), ()) or not self["CR1"] & 1:
             return

@@ -126,7 +126,7 @@ impl Loops {
                 self.interrupt.observer.shift(angle.minus(before));
             }
             // What is measured may have other pole pairs, or turn the other way.
-            Err(fault) if self.is_on && !self.is_measured() => self.control.fail(fault.into()),
+            Err(fault) if self.is_on && !self.is_measured() => self.fail(fault.into()),
             Err(_) => {}
         }
     }
@@ -140,15 +140,17 @@ impl Loops {
         };
         let counts = self.motor.counts;
         let Some(word) = word else {
+            let timer = single.timer(counts);
             if self.is_on {
-                self.control.fail(Fault::Encoder);
+                self.fail(Fault::Encoder);
             }
-            return single.timer(counts);
+            return timer;
         };
         if let Err(fault) = single.absolute.look(word) {
             if self.is_on {
-                self.control.fail(fault.into());
-                return single.timer(counts);
+                let timer = single.timer(counts);
+                self.fail(fault.into());
+                return timer;
             }
             single.absolute.resume(word);
             single.is_aligned = false;

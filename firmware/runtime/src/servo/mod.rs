@@ -164,6 +164,12 @@ impl Loops {
         self.fault
     }
 
+    /// Ends everything: no widths from now on.
+    fn fail(&mut self, fault: Fault) {
+        self.control.fail(fault);
+        self.fault = self.control.fault();
+    }
+
     /// The bus in V.
     pub fn bus(&self, counts: &Counts) -> f32 {
         f32::from(counts.bus) * self.data.stage.bus
@@ -191,7 +197,7 @@ impl Loops {
         if let Err(fault) = self.interrupt.encoder.index(timer)
             && self.is_on
         {
-            self.control.fail(fault.into());
+            self.fail(fault.into());
         }
     }
 
@@ -207,8 +213,7 @@ impl Loops {
             Ok(widths) => Some(widths),
             Err(trip) => {
                 cold_path();
-                self.control.fail(trip.into());
-                self.fault = self.control.fault();
+                self.fail(trip.into());
                 None
             }
         }

@@ -12,7 +12,7 @@
 //! | PD2 | fault of both gate drivers | low is a fault, above every other interrupt |
 //! | PC10, PC11, PC12 | SPI3: clock, data in, data out | |
 //! | PC13, PC14 | chip selects of the gate drivers of M0 and M1 | M1's stays high |
-//! | PB4, PB5, PC9 | encoder A, B, index | TIM3 channels 1 and 2; the index is digital input 6 |
+//! | PB4, PB5, PC9 | encoder A, B, index | TIM3 channels 1, 2 and 4; the index is digital input 6 too |
 //! | PB10, PB11 | lower and upper switch of AUX | TIM2 channels 3 and 4: a brake resistor from AUX to ground |
 //! | PC6, PC7, PC8, PA7, PB0, PB1 | switches of M1 | low: all off |
 //! | PA0 to PA3 | GPIO 1 to 4: digital inputs 1 to 4 | with pull-down |
@@ -41,6 +41,7 @@ use stm32f4xx_hal::prelude::*;
 
 use super::chip::watchdog::Watchdog;
 use super::chip::{self, can, clocks, flash, CORE_HZ, TIMERS_HZ};
+pub use super::servo_stage::encoder::index;
 use super::servo_stage::{self, converters, encoder, lines, orders, stage};
 use super::{user_memory, Board, Parts};
 use crate::stepping::SharedEmitter;
@@ -145,8 +146,11 @@ impl Board for Odrive36 {
         );
         encoder::start(&device.TIM3, encoder_lines, &mut rcc);
         let mut syscfg = device.SYSCFG.constrain(&mut rcc);
-        let index = c.pc9.into_pull_down_input().erase();
-        let input_lines = lines::Lines::new(index, &mut fault, &mut syscfg, device.EXTI);
+        let mut index = c.pc9.into_pull_down_input();
+        let input_lines = lines::Lines::new(&mut index, &mut fault, &mut syscfg, device.EXTI);
+        // Its edges and its level are seen all the same.
+        let index = index.into_alternate().internal_resistor(Pull::Down);
+        encoder::start_index(&device.TIM3, index);
 
         let words = gates::Words::new(
             device.SPI3,

@@ -19,7 +19,7 @@ pub struct Lines {
 impl Lines {
     /// Both edges of the index raise an interrupt from now on, and the falling one of nFAULT.
     pub fn new(
-        mut index: impl ExtiPin + PinExt,
+        index: &mut (impl ExtiPin + PinExt),
         fault: &mut impl ExtiPin,
         syscfg: &mut SysCfg,
         mut exti: pac::EXTI,

@@ -2,7 +2,7 @@
 //! bridges of the motor, the encoder at TIM3, and the control tick's end of the link.
 //!
 //! What a board has of its own here it gives as [`own`]: its motor, the channels of its converters,
-//! its bridges, and how the gates go on and off.
+//! its bridges, how the gates go on and off, and where the index of its encoder was.
 
 pub mod converters;
 pub mod encoder;
@@ -134,6 +134,9 @@ pub fn on_current() {
     }
     if let Some(share) = inner.current.chopping(&counts) {
         inner.bridges.burn(share);
+        if let Some(timer) = own::index() {
+            inner.current.loops().index(timer);
+        }
         // The interrupt of a timer that is not used.
         NVIC::pend(pac::Interrupt::TIM4);
     }
