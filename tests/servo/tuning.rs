@@ -69,7 +69,7 @@ fn m45_the_drive_measures_its_motor_on_each_axis() {
         assert_eq!(drive.read_u16(0x20C1, 12), 600);
         // It holds where it is, and goes where it is told to.
         assert!(OPERATION_ENABLED.is_shown_by(drive.statusword()));
-        drive.run_millis(20);
+        drive.run_millis(50);
         let before = drive.position();
         drive.run_millis(50);
         assert!((drive.position() - before).abs() <= 1, "{}", axis.name);
