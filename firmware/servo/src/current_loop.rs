@@ -28,7 +28,7 @@ use crate::Angle;
 use crate::field_weakening::FieldWeakening;
 use crate::modulation::{Modulation, Widths};
 use crate::motor::{Implausible, Motor, Wiring};
-use crate::number::{greater, is_within, lesser, limit, root, root_of_number};
+use crate::number::{greater, is_within, lesser, limit, limit_at_once, root, root_of_number};
 use crate::transform::{Clarke, Rotor};
 use axis::Axis;
 pub use axis::{SOFTEST, STIFFEST};
@@ -423,7 +423,7 @@ impl Keeping {
 /// What is beyond a circle by its radius and the square of that: d first, and of q what it leaves. NaN is 0.
 #[inline(always)]
 fn d_first(wanted: Rotor, max: f32, square: f32) -> Rotor {
-    let d = limit(wanted.d, max);
+    let d = limit_at_once(wanted.d, max);
     let left = lesser(wanted.q.abs(), root_of_number(square - d * d));
     let q = if wanted.q > 0.0 {
         left
@@ -454,8 +454,8 @@ fn in_circle(wanted: Rotor, max: f32, drives: f32) -> Rotor {
 #[inline(never)]
 fn nearest(wanted: Rotor, max: f32) -> Rotor {
     let wanted = Rotor {
-        d: limit(wanted.d, 1e6),
-        q: limit(wanted.q, 1e6),
+        d: limit_at_once(wanted.d, 1e6),
+        q: limit_at_once(wanted.q, 1e6),
     };
     let share = max / greater(root(wanted.square()), max);
     Rotor {

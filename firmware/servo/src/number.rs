@@ -3,8 +3,14 @@
 use core::hint::cold_path;
 
 /// The value within a bound on both sides; NaN is 0. A bound below 0 or that is NaN is 0 as well.
-#[inline]
+#[inline(never)]
 pub fn limit(value: f32, bound: f32) -> f32 {
+    limit_at_once(value, bound)
+}
+
+/// The same where there is no time for a call.
+#[inline(always)]
+pub(crate) fn limit_at_once(value: f32, bound: f32) -> f32 {
     // Most are; only what is not needs more than one comparison.
     if value.abs() <= bound {
         return value;

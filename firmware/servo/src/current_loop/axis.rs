@@ -1,7 +1,7 @@
 //! The model of one axis of the rotor: what a voltage does to its current, and what of it is not known.
 
 use super::CurrentConfig;
-use crate::number::{greater, lesser, limit};
+use crate::number::{greater, lesser, limit_at_once};
 
 /// The least and the greatest response of a winding, as a share of that of its data.
 pub const STIFFEST: f32 = 0.6;
@@ -80,6 +80,6 @@ impl Axis {
             self.changes = lesser(greater(changes, stiffest), softest);
             self.corrects = self.half_share / self.changes;
         }
-        self.unknown = limit(self.unknown - self.learning * away, bus);
+        self.unknown = limit_at_once(self.unknown - self.learning * away, bus);
     }
 }

@@ -5,7 +5,7 @@
 
 use crate::Angle;
 use crate::motor::Implausible;
-use crate::number::{fade, is_within, limit};
+use crate::number::{fade, is_within, limit_at_once};
 
 /// Radians of a part of 2³² of a turn.
 const RADIANS: f32 = core::f32::consts::TAU / 4_294_967_296.0;
@@ -70,8 +70,8 @@ impl Observer {
         let away = measured.minus(expected).bits().cast_signed() as f32;
         let correction = (first * away) as i32;
         self.angle = expected.plus(Angle::from_bits(correction.cast_unsigned()));
-        self.speed = limit(self.speed + self.acceleration + second * away, FASTEST);
-        self.acceleration = limit(self.acceleration + third * away, FASTEST);
+        self.speed = limit_at_once(self.speed + self.acceleration + second * away, FASTEST);
+        self.acceleration = limit_at_once(self.acceleration + third * away, FASTEST);
     }
 
     /// The electrical angle at the last look.

@@ -4,7 +4,7 @@
 //! A phase of which much was asked, and that carried less than a fifth of it, is lost. At a standstill a phase may have nothing to carry; then nothing is said of it.
 
 use crate::motor::{Implausible, Wiring};
-use crate::number::{fade, is_within, limit};
+use crate::number::{fade, is_within, limit_at_once};
 
 /// The share of the square, below which a phase is lost: 0.2².
 const LEAST: f32 = 0.04;
@@ -43,7 +43,7 @@ impl PhaseLoss {
         let fades = self.fades;
         let follow = |mean: &mut [f32; 3], currents: [f32; 3]| {
             for (mean, current) in mean.iter_mut().zip(currents) {
-                let current = limit(current, 1e4);
+                let current = limit_at_once(current, 1e4);
                 *mean += (1.0 - fades) * (current * current - *mean);
             }
         };
