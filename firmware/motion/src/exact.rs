@@ -38,22 +38,94 @@ pub(crate) struct Q128(i128);
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct TicksQ32(u128);
 
-impl PositionQ96 {
-    pub(crate) const ZERO: Self = Self(0);
+/// What every format has.
+macro_rules! format {
+    ($($name:ident($bits:ty)),+) => {$(
+        impl $name {
+            pub(crate) const ZERO: Self = Self(0);
 
+            #[inline]
+            pub(crate) const fn from_bits(bits: $bits) -> Self {
+                Self(bits)
+            }
+
+            #[inline]
+            pub(crate) const fn bits(self) -> $bits {
+                self.0
+            }
+        }
+    )+};
+}
+
+/// What every format but a position has.
+macro_rules! is_zero {
+    ($($name:ident),+) => {$(
+        impl $name {
+            #[inline]
+            pub(crate) const fn is_zero(self) -> bool {
+                self.0 == 0
+            }
+        }
+    )+};
+}
+
+format!(
+    PositionQ96(i128),
+    DistanceQ96(u128),
+    Q96(i128),
+    Uq96(u128),
+    Q128(i128),
+    TicksQ32(u128)
+);
+is_zero!(DistanceQ96, Q96, Uq96, Q128, TicksQ32);
+
+/// An operator of a format: that of its bits, which wraps or is checked in debug builds.
+macro_rules! operator {
+    ($operator:ident::$method:ident($($other:ident)?) for $name:ident: $of_bits:path) => {
+        impl $operator for $name {
+            type Output = Self;
+
+            #[inline]
+            fn $method(self $(, $other: Self)?) -> Self {
+                Self($of_bits(self.0 $(, $other.0)?))
+            }
+        }
+    };
+}
+
+operator!(Add::add(other) for PositionQ96: i128::wrapping_add);
+operator!(Sub::sub(other) for PositionQ96: i128::wrapping_sub);
+operator!(Neg::neg() for PositionQ96: i128::wrapping_neg);
+operator!(Add::add(other) for Q96: i128::add);
+operator!(Sub::sub(other) for Q96: i128::sub);
+operator!(Neg::neg() for Q96: i128::neg);
+operator!(Add::add(other) for Uq96: u128::add);
+operator!(Sub::sub(other) for Uq96: u128::sub);
+operator!(Neg::neg() for Q128: i128::neg);
+operator!(Add::add(other) for TicksQ32: u128::add);
+
+impl Shr<u32> for Q96 {
+    type Output = Self;
+
+    #[inline]
+    fn shr(self, bits: u32) -> Self {
+        Self(self.0 >> bits)
+    }
+}
+
+impl Shr<u32> for Q128 {
+    type Output = Self;
+
+    #[inline]
+    fn shr(self, bits: u32) -> Self {
+        Self(self.0 >> bits)
+    }
+}
+
+impl PositionQ96 {
     /// A whole number of steps, taken modulo 2³².
     pub(crate) const fn from_steps(steps: i64) -> Self {
         Self((steps as i128).wrapping_shl(96))
-    }
-
-    #[inline]
-    pub(crate) const fn from_bits(bits: i128) -> Self {
-        Self(bits)
-    }
-
-    #[inline]
-    pub(crate) const fn bits(self) -> i128 {
-        self.0
     }
 
     /// The whole step where it is, or that below.
@@ -82,51 +154,7 @@ impl PositionQ96 {
     }
 }
 
-impl Add for PositionQ96 {
-    type Output = Self;
-
-    #[inline]
-    fn add(self, other: Self) -> Self {
-        Self(self.0.wrapping_add(other.0))
-    }
-}
-
-impl Sub for PositionQ96 {
-    type Output = Self;
-
-    #[inline]
-    fn sub(self, other: Self) -> Self {
-        Self(self.0.wrapping_sub(other.0))
-    }
-}
-
-impl Neg for PositionQ96 {
-    type Output = Self;
-
-    #[inline]
-    fn neg(self) -> Self {
-        Self(self.0.wrapping_neg())
-    }
-}
-
 impl DistanceQ96 {
-    pub(crate) const ZERO: Self = Self(0);
-
-    #[inline]
-    pub(crate) const fn is_zero(self) -> bool {
-        self.0 == 0
-    }
-
-    #[inline]
-    pub(crate) const fn from_bits(bits: u128) -> Self {
-        Self(bits)
-    }
-
-    #[inline]
-    pub(crate) const fn bits(self) -> u128 {
-        self.0
-    }
-
     /// From a position so far forwards.
     #[inline]
     pub(crate) const fn forwards(self) -> PositionQ96 {
@@ -150,23 +178,6 @@ impl DistanceQ96 {
 }
 
 impl Q96 {
-    pub(crate) const ZERO: Self = Self(0);
-
-    #[inline]
-    pub(crate) const fn is_zero(self) -> bool {
-        self.0 == 0
-    }
-
-    #[inline]
-    pub(crate) const fn from_bits(bits: i128) -> Self {
-        Self(bits)
-    }
-
-    #[inline]
-    pub(crate) const fn bits(self) -> i128 {
-        self.0
-    }
-
     /// Q32, rounded down.
     #[inline]
     pub(crate) const fn floor(self) -> i64 {
@@ -201,60 +212,7 @@ impl Q96 {
     }
 }
 
-impl Add for Q96 {
-    type Output = Self;
-
-    #[inline]
-    fn add(self, other: Self) -> Self {
-        Self(self.0 + other.0)
-    }
-}
-
-impl Sub for Q96 {
-    type Output = Self;
-
-    #[inline]
-    fn sub(self, other: Self) -> Self {
-        Self(self.0 - other.0)
-    }
-}
-
-impl Neg for Q96 {
-    type Output = Self;
-
-    #[inline]
-    fn neg(self) -> Self {
-        Self(-self.0)
-    }
-}
-
-impl Shr<u32> for Q96 {
-    type Output = Self;
-
-    #[inline]
-    fn shr(self, bits: u32) -> Self {
-        Self(self.0 >> bits)
-    }
-}
-
 impl Uq96 {
-    pub(crate) const ZERO: Self = Self(0);
-
-    #[inline]
-    pub(crate) const fn is_zero(self) -> bool {
-        self.0 == 0
-    }
-
-    #[inline]
-    pub(crate) const fn from_bits(bits: u128) -> Self {
-        Self(bits)
-    }
-
-    #[inline]
-    pub(crate) const fn bits(self) -> u128 {
-        self.0
-    }
-
     /// In the positive direction.
     #[inline]
     pub(crate) const fn forwards(self) -> Q96 {
@@ -289,43 +247,9 @@ impl Uq96 {
     }
 }
 
-impl Add for Uq96 {
-    type Output = Self;
-
-    #[inline]
-    fn add(self, other: Self) -> Self {
-        Self(self.0 + other.0)
-    }
-}
-
-impl Sub for Uq96 {
-    type Output = Self;
-
-    #[inline]
-    fn sub(self, other: Self) -> Self {
-        Self(self.0 - other.0)
-    }
-}
-
 impl Q128 {
-    pub(crate) const ZERO: Self = Self(0);
     /// The least above zero.
     pub(crate) const LEAST: Self = Self(1);
-
-    #[inline]
-    pub(crate) const fn is_zero(self) -> bool {
-        self.0 == 0
-    }
-
-    #[inline]
-    pub(crate) const fn from_bits(bits: i128) -> Self {
-        Self(bits)
-    }
-
-    #[inline]
-    pub(crate) const fn bits(self) -> i128 {
-        self.0
-    }
 
     #[inline]
     pub(crate) const fn abs(self) -> Self {
@@ -352,24 +276,6 @@ impl Q128 {
     }
 }
 
-impl Neg for Q128 {
-    type Output = Self;
-
-    #[inline]
-    fn neg(self) -> Self {
-        Self(-self.0)
-    }
-}
-
-impl Shr<u32> for Q128 {
-    type Output = Self;
-
-    #[inline]
-    fn shr(self, bits: u32) -> Self {
-        Self(self.0 >> bits)
-    }
-}
-
 impl From<Q96> for Q128 {
     fn from(value: Q96) -> Self {
         Self(value.0 << 32)
@@ -377,35 +283,9 @@ impl From<Q96> for Q128 {
 }
 
 impl TicksQ32 {
-    pub(crate) const ZERO: Self = Self(0);
-
-    #[inline]
-    pub(crate) const fn is_zero(self) -> bool {
-        self.0 == 0
-    }
-
-    #[inline]
-    pub(crate) const fn from_bits(bits: u128) -> Self {
-        Self(bits)
-    }
-
-    #[inline]
-    pub(crate) const fn bits(self) -> u128 {
-        self.0
-    }
-
     #[inline]
     pub(crate) const fn saturating_sub(self, other: Self) -> Self {
         Self(self.0.saturating_sub(other.0))
-    }
-}
-
-impl Add for TicksQ32 {
-    type Output = Self;
-
-    #[inline]
-    fn add(self, other: Self) -> Self {
-        Self(self.0 + other.0)
     }
 }
 
