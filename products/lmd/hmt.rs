@@ -7,7 +7,7 @@
 
 use canopen::od::Dictionary;
 use cia402::behaviour::{number, put_number};
-use cia402::loops::{LoopReport, ServoSettings, StepperSettings};
+use cia402::loops::{LoopReport, MAY_BE_THERE, ServoSettings, StepperSettings};
 
 /// Objects of our own: the fastest that the motor may turn.
 const FASTEST: u16 = 0x5F0A;
@@ -51,12 +51,12 @@ pub(super) struct Hmt {
 
 impl Hmt {
     fn is_enabled<D: Dictionary>(&self, dictionary: &D) -> bool {
-        self.is_there && number(dictionary, 0x2701, 0) == 0x80
+        self.is_there() && number(dictionary, 0x2701, 0) == 0x80
     }
 
     /// Whether the motor is moved by its current.
     pub(super) const fn is_there(&self) -> bool {
-        self.is_there
+        MAY_BE_THERE && self.is_there
     }
 
     /// The loops tell, and are set up.
@@ -130,7 +130,7 @@ impl Hmt {
         (velocity, encoder, demand): (i32, i32, i32),
     ) {
         self.filter(dictionary, velocity);
-        if !self.is_there {
+        if !self.is_there() {
             return;
         }
         self.stands = if is_moving {
@@ -177,7 +177,7 @@ impl Hmt {
     fn filter<D: Dictionary>(&mut self, dictionary: &D, velocity: i32) {
         let is_torque = number(dictionary, 0x6061, 0) == TORQUE;
         let time = match number(dictionary, 0x2708, 0) {
-            0 if is_torque && self.is_there => 256,
+            0 if is_torque && self.is_there() => 256,
             1 => 64,
             2 => 128,
             3 => 196,
@@ -200,7 +200,7 @@ impl Hmt {
         if let Some(velocity) = self.velocity {
             put_number(dictionary, 0x606C, 0, velocity);
         }
-        if let Some(position) = self.position {
+        if let Some(position) = self.position.filter(|_| self.is_there()) {
             put_number(dictionary, 0x6064, 0, position);
         }
     }
@@ -208,7 +208,7 @@ impl Hmt {
     /// 2704h, while a torque is held. Returns whether it is another one.
     pub(super) fn limit<D: Dictionary>(&self, dictionary: &mut D) -> bool {
         let fastest = match number(dictionary, 0x6060, 0) {
-            TORQUE => 12_000_000 / (number(dictionary, 0x2704, 0) + 2).max(1),
+            TORQUE if MAY_BE_THERE => 12_000_000 / (number(dictionary, 0x2704, 0) + 2).max(1),
             _ => u32::MAX.into(),
         };
         let is_new = number(dictionary, FASTEST, 0) != fastest;
@@ -226,6 +226,6 @@ impl Hmt {
 
     /// Whether the bridge is to be off: 2711h.
     pub(super) fn bars<D: Dictionary>(&self, dictionary: &D) -> bool {
-        self.is_locked && number(dictionary, 0x2711, 0) >= 2
+        self.is_there() && self.is_locked && number(dictionary, 0x2711, 0) >= 2
     }
 }

@@ -11,12 +11,12 @@ pub const NOT_YET: &[(&str, &str, &str)] = &[
     (
         "lmd",
         "emcy-figure",
-        "a picture of any device: 2212h is no code of the LMD",
+        "a picture of any device: 2212h is no code of the LMD. The bytes of its own: `the_number_of_a_short_pdo_is_where_its_maker_has_it`",
     ),
     (
         "tc1",
         "rpdo-principle",
-        "a picture: the TC1 has none of its objects",
+        "a picture: the TC1 has none of its objects. The same with objects that it has: rpdo-remap",
     ),
 ];
 

@@ -3,6 +3,10 @@
 //! A generic drive has objects for all of it (20C0h to 20C5h). A product has objects of its own, of which its module makes this
 //! ([`Behaviour::loops`](crate::Behaviour::loops)).
 
+/// Whether the drive may have loops: without the feature `torque` it has none, and nothing calls
+/// [`Behaviour::loops`](crate::Behaviour::loops).
+pub const MAY_BE_THERE: bool = cfg!(feature = "torque");
+
 /// The settings of motor and loops from the objects; 0 stands for the value built into the axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ServoSettings {

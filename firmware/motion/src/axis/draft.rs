@@ -99,9 +99,12 @@ impl Draft {
         self.next = if self.start.is_for(begin, limits, self.ramps) {
             Next::Same
         } else {
-            let mut start = self.start.clone();
-            start.jump(self.clock.speed(speed), seen);
-            plan.make(self.clock, &start, begin, limits, self.ramps)?;
+            // A jump changes nothing else, and the draft stays as it was.
+            let velocity = self.start.from.velocity;
+            self.start.jump(self.clock.speed(speed), seen);
+            let made = plan.make(self.clock, &self.start, begin, limits, self.ramps);
+            self.start.from.velocity = velocity;
+            made?;
             if !plan.stop_at(seen) {
                 return self.plan(plan, Goal::Rest(target), limits);
             }
