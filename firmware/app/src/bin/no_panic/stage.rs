@@ -5,7 +5,7 @@ use ::servo::interrupt::Counts;
 use ::servo::stage::drv8301::{Gain, Settings};
 use ::servo::stage::{sensors, thermistor, BridgeDriver, Counter, GateDriver};
 use ::servo::Implausible;
-use cia402::{Behaviour, DriveConfig, Exchange, Inputs, Outputs};
+use cia402::{Behaves, Behaviour, DriveConfig, Exchange, Inputs, Outputs};
 use motion::{PulseSink, Record};
 use runtime::servo::{
     Current, Feedback, Link, Loops, Port, ServoData, ServoObjects, ServoSettings, StageData,
@@ -49,6 +49,22 @@ fn data() -> Result<ServoData, Implausible> {
     })
 }
 
+/// The module of the data sheet; the generic drive has none.
+struct Product<D: Behaves>(D::Behaviour);
+
+impl<D: Behaves> Product<D> {
+    fn new() -> Self {
+        Self(D::Behaviour::default())
+    }
+
+    fn attend(&mut self, dictionary: &mut D, data: &ServoData) {
+        let mut settings = ServoSettings::NONE;
+        let told = LINK.told_beside(data);
+        let request = self.0.loops(dictionary, &told, &mut settings);
+        LINK.set_up(settings, request);
+    }
+}
+
 struct AnyServo(Port);
 
 impl PowerStage for AnyServo {
@@ -87,7 +103,7 @@ pub fn loops(config: DriveConfig) -> Result<(), Implausible> {
     let mut current = Current::new(Loops::new(&data()?, any() as u16, magnet)?, &LINK, any());
     let mut servo_objects = ServoObjects::default();
     let mut dictionary = Dictionary::new();
-    let mut product = <Dictionary as cia402::Objects>::Behaviour::default();
+    let mut product = Product::<Dictionary>::new();
     let mut stage = AnyServo(Port::new(&LINK, any(), any() as u16).with_counts(any(), any()));
     let mut exchange = Exchange::new();
     let mut control = Axis402::control(config);
@@ -126,10 +142,7 @@ pub fn loops(config: DriveConfig) -> Result<(), Implausible> {
                 LINK.set_up(settings, request);
                 servo_objects.show(&mut dictionary, &LINK.found());
                 // That of a product, if the data sheet is one's.
-                let mut settings = ServoSettings::NONE;
-                let told = LINK.told_beside(&data()?);
-                let request = product.loops(&mut dictionary, &told, &mut settings);
-                LINK.set_up(settings, request);
+                product.attend(&mut dictionary, &data()?);
             }
             2 => {
                 LINK.set_stage(thermistor::tenths(any() as u16), any() == 0);
