@@ -59,8 +59,8 @@ impl<D: Behaves> Product<D> {
 
     fn attend(&mut self, dictionary: &mut D, data: &ServoData) {
         let mut settings = ServoSettings::NONE;
-        let told = LINK.told_beside(data);
-        let request = self.0.loops(dictionary, &told, &mut settings);
+        let report = LINK.loop_report(data);
+        let request = self.0.loops(dictionary, &report, &mut settings);
         LINK.set_up(settings, request);
     }
 }
