@@ -100,6 +100,24 @@ fn board_command(arguments: &Board) -> Command {
     command
 }
 
+/// Builds the images of the servo boards that the tests on the chip model run, and names them.
+///
+/// # Errors
+/// When one does not build.
+pub fn chips(command: &mut Command) -> Result<()> {
+    // Each is kept before the next one is built: they have the same name.
+    for (flag, image, name) in [
+        ("--lmd-image", Image::Stepper, "lmd"),
+        ("--s200-image", Image::Odrive, "s200"),
+        ("--stepper-image", Image::Stepper, ""),
+        ("--servo-image", Image::Odrive, ""),
+    ] {
+        let product: Option<Product> = name.parse().ok();
+        command.arg(flag).arg(image.build_as(product.as_ref())?);
+    }
+    Ok(())
+}
+
 /// The servo boards that products go with, and these without a product, so that their images are kept.
 const SERVOS: [(Image, &str); 6] = [
     (Image::Stepper, "lmd"),

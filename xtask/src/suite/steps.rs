@@ -10,7 +10,7 @@ use clap::ValueEnum;
 use super::count::Count;
 use super::programs;
 use crate::firmware::{Image, PROFILE, TARGET};
-use crate::product::Product;
+use crate::product::{self, Product};
 use crate::socketcan::{self, Socketcan};
 use crate::words::{one_line, say};
 use crate::{book, fuzz, place, process, setup};
@@ -294,21 +294,9 @@ pub fn run(step: Step, ready: &Ready) -> Result<Run> {
         Step::Board => {
             let mut command = pytest(&ready.python, FOLDERS[1]);
             command.arg("--image").arg(Image::Board.path());
-            // Each is kept before the next one is built: they have the same name.
-            for (flag, image, name) in [
-                ("--lmd-image", Image::Stepper, "lmd"),
-                ("--s200-image", Image::Odrive, "s200"),
-                ("--stepper-image", Image::Stepper, ""),
-                ("--servo-image", Image::Odrive, ""),
-            ] {
-                let product: Option<Product> = name.parse().ok();
-                match image.build_as(product.as_ref()) {
-                    Ok(path) => command.arg(flag).arg(path),
-                    Err(error) => {
-                        say!("{}", one_line(&error))?;
-                        return Ok(Run::Done(Count::of(0, 1)));
-                    }
-                };
+            if let Err(error) = product::chips(&mut command) {
+                say!("{}", one_line(&error))?;
+                return Ok(Run::Done(Count::of(0, 1)));
             }
             command.arg("--plant").arg(place::kept("stepped_axis"));
             command.arg("--tuner").arg(place::kept("stepped_tune"));
