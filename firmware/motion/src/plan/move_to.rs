@@ -63,42 +63,42 @@ pub(super) fn plan(
         deceleration,
         end,
     };
-    let is_short = approaching && distance < stop_distance;
-    let spare = distance.abs_diff(stop_distance);
-    let is_exact = approaching && spare <= indistinct(stop_time);
-    // Too fast to stop in time: brake, turn round, come back.
-    let turns = is_short && !is_exact && route.end.speed.is_zero();
-    let distance = if turns {
-        spare
-    } else if approaching {
-        distance
-    } else {
-        let away = distance.checked_add(stop_distance);
-        away.ok_or(PlanError::OutOfRange)?
-    };
-    let mut goal = gap.forwards();
-    if turns {
-        goal = -goal;
+    let goal = gap.forwards();
+    if approaching {
+        let is_short = distance < stop_distance;
+        let spare = distance.abs_diff(stop_distance);
+        let is_exact = spare <= indistinct(stop_time);
+        if is_exact && route.end.speed.is_zero() {
+            // The target is exactly at the stopping distance: brake, and nothing else.
+            let builder = PlanBuilder::new(plan, origin, target_behind);
+            return builder.brake_to_rest_at(goal, half_deceleration, stop_time);
+        }
+        if (is_exact || is_short) && !route.end.speed.is_zero() {
+            // Too fast for the end velocity: it comes about behind the target.
+            let mut builder = PlanBuilder::new(plan, origin, target_behind);
+            let time = route
+                .deceleration
+                .time(speed.saturating_sub(route.end.speed));
+            builder.brake(speed, half_deceleration, time);
+            return builder.keep(route.end.speed);
+        }
+        if is_short {
+            // Too fast to stop in time: brake, turn round, come back.
+            let mut builder = PlanBuilder::new(plan, origin, !target_behind);
+            builder.brake_to_standstill(speed, half_deceleration, stop_time, stop_distance);
+            return route.append_to(builder, Uq96::ZERO, spare, -goal);
+        }
+        let builder = PlanBuilder::new(plan, origin, target_behind);
+        return route.append_to(builder, speed, distance, goal);
     }
-    let mut builder = PlanBuilder::new(plan, origin, target_behind != turns);
-    if is_exact && route.end.speed.is_zero() {
-        // The target is exactly at the stopping distance: brake, and nothing else.
-        return builder.brake_to_rest_at(goal, half_deceleration, stop_time);
-    }
-    if is_exact || is_short && !turns {
-        // Too fast for the end velocity: it comes about behind the target.
-        let time = route
-            .deceleration
-            .time(speed.saturating_sub(route.end.speed));
-        builder.brake(speed, half_deceleration, time);
-        return builder.keep(route.end.speed);
-    }
-    let mut begin = speed;
-    if turns || !approaching && !speed.is_zero() {
+    let distance = distance
+        .checked_add(stop_distance)
+        .ok_or(PlanError::OutOfRange)?;
+    let mut builder = PlanBuilder::new(plan, origin, target_behind);
+    if !speed.is_zero() {
         builder.brake_to_standstill(speed, half_deceleration, stop_time, stop_distance);
-        begin = Uq96::ZERO;
     }
-    route.append_to(builder, begin, distance, goal)
+    route.append_to(builder, Uq96::ZERO, distance, goal)
 }
 
 /// Whether braking from a speed, which takes so long, leads 2³² steps away or more: half of speed · time bounds it well enough.
