@@ -356,7 +356,10 @@ mod tests {
             .collect();
         assert_eq!(words.first(), Some(&"rustc"));
         let options = options_for_size().unwrap();
-        assert!(options.len() > 1 && options.len() % 2 == 0, "{options:?}");
+        assert!(
+            options.len() > 1 && options.len().is_multiple_of(2),
+            "{options:?}"
+        );
         assert!(words.ends_with(&options.iter().map(String::as_str).collect::<Vec<_>>()));
     }
 
