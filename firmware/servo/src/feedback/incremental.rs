@@ -75,11 +75,10 @@ impl Incremental {
             cold_path();
             // A look is less than a turn of most encoders; of a coarse one it may be several.
             let turn = self.counts.cast_signed();
-            let turns = in_turn.checked_div_euclid(turn).unwrap_or(0);
-            self.turns = self.turns.wrapping_add(turns.into());
-            self.in_turn = in_turn
-                .wrapping_sub(turns.wrapping_mul(turn))
-                .cast_unsigned();
+            let left = in_turn.checked_rem_euclid(turn).unwrap_or(0);
+            let turns = in_turn.wrapping_sub(left).checked_div(turn);
+            self.turns = self.turns.wrapping_add(turns.unwrap_or(0).into());
+            self.in_turn = left.cast_unsigned();
         }
     }
 
