@@ -329,16 +329,13 @@ impl Tasks {
             return true;
         }
         let before = self.state;
-        match self.state {
+        match &mut self.state {
             TaskState::Idle => {}
             TaskState::Given => return self.hands_over,
-            TaskState::UnderWay(ticks) if ticks < SETTLED => {
-                self.state = TaskState::UnderWay(ticks + 1);
+            TaskState::UnderWay(ticks) | TaskState::Blends(ticks) if *ticks < SETTLED => {
+                *ticks += 1;
             }
             TaskState::UnderWay(_) => self.look_ahead(dictionary, seen),
-            TaskState::Blends(ticks) if ticks < SETTLED => {
-                self.state = TaskState::Blends(ticks + 1);
-            }
             TaskState::Blends(_) => {
                 if seen.statusword & ACKNOWLEDGE == 0 {
                     // What waited has begun.
@@ -348,7 +345,7 @@ impl Tasks {
                 }
             }
             TaskState::Pauses(until) => {
-                if seen.at >= until {
+                if seen.at >= *until {
                     (self.number, self.task) = self.next;
                     show(dictionary, self.number, self.task.target);
                     self.state = TaskState::Given;
@@ -361,7 +358,6 @@ impl Tasks {
                     self.hands_over = true;
                 }
             }
-            TaskState::Parks(ticks) if ticks < SETTLED => self.state = TaskState::Parks(ticks + 1),
             TaskState::Parks(_) => self.cancel(),
         }
         self.state != before

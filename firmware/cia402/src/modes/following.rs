@@ -15,12 +15,14 @@
 //!   moves; where the last set-point was the only one, the motor stays there.
 
 mod acceleration;
+mod bounds;
 mod period;
 
 use motion::{Limits, Speed};
 
 use super::{Context, Types};
 use acceleration::{MaxChange, SetPoints};
+use bounds::{rounding, within_reach, within_travel};
 use period::{away, distance_at, distance_q16, is_monotone};
 use period::{may_brake_behind, over, slope, to, whole};
 
@@ -28,7 +30,7 @@ pub(super) use period::{braking_distance, gain, seconds};
 
 use crate::actuator::Actuator;
 use crate::cyclic::{MicrosQ16, Slot};
-use crate::motor::{Motor, REACH};
+use crate::motor::Motor;
 use crate::objects::Objects;
 use crate::option_codes::StopRamp;
 use crate::travel::Travel;
@@ -476,19 +478,6 @@ impl Following {
     }
 }
 
-/// A set-point, no farther away than one motion may lead.
-fn within_reach(target: i64, here: i64) -> i64 {
-    let (away, is_beyond) = target.overflowing_sub(here);
-    if !is_beyond && away.unsigned_abs() <= REACH.unsigned_abs() {
-        return target;
-    }
-    if target < here {
-        here.saturating_sub(REACH)
-    } else {
-        here.saturating_add(REACH)
-    }
-}
-
 /// By how much a distance may grow and shrink from period to period while the motor catches up.
 fn ramps(seconds: u64, context: &Context<'_, impl Types>) -> (i64, i64) {
     let (limits, _) = context.within(Limits {
@@ -498,24 +487,6 @@ fn ramps(seconds: u64, context: &Context<'_, impl Types>) -> (i64, i64) {
     });
     let up = gain(limits.acceleration, seconds);
     (up, gain(limits.deceleration, seconds))
-}
-
-/// Twice a unit of the user and an increment: what rounding four ends may make of the difference between two distances.
-fn rounding(context: &Context<'_, impl Types>) -> i64 {
-    let unit = context.units().position(1).saturating_abs();
-    let max = unit.max(1).saturating_add(1).saturating_mul(2);
-    max.min(1 << 40) << POINT
-}
-
-/// The distance that stays within the software limits, or leads back to them.
-fn within_travel(at: i64, required: i64, travel: Travel) -> i64 {
-    let (low, high) = travel.increments;
-    let low = distance_q16(low).min(at);
-    let high = distance_q16(high).max(at);
-    at.saturating_add(required)
-        .max(low)
-        .min(high)
-        .saturating_sub(at)
 }
 
 #[cfg(test)]
