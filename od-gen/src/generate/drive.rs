@@ -25,7 +25,10 @@ pub(super) fn write(layout: &Layout<'_>, options: &Options<'_>) -> String {
         .iter()
         .map(|parameter| (parameter, sites(layout, bound, parameter)))
         .collect();
-    let mut methods = vec![behaves(behaviour), features(layout, &all, bound)];
+    let mut methods = vec![
+        behaves(behaviour),
+        features(layout, &all, bound, behaviour.is_some()),
+    ];
     methods.extend(options.data_sheet.map(data_sheet));
     let habits = habits::of_drive(&bound.habits);
     methods.extend((!habits.is_empty()).then_some(habits));
@@ -95,6 +98,7 @@ fn features(
     layout: &Layout<'_>,
     all: &[(&Description, Vec<Site<'_>>)],
     bound: &Bindings,
+    has_module: bool,
 ) -> String {
     let modes = all
         .iter()
@@ -124,6 +128,8 @@ fn features(
         cubic_interpolation,
         positioning_options,
     } = Features::of(&offered, u32::try_from(modes).unwrap_or(0), scope);
+    // A module commands them without an object.
+    let positioning_options = positioning_options || has_module;
     format!(
         "    const DRIVE: ::cia402::Features = ::cia402::Features {{
         modes: {modes:#X},

@@ -72,7 +72,7 @@ pub struct Features {
     pub units: bool,
     /// 60C0h. Without it the way between set-points is a straight line.
     pub cubic_interpolation: bool,
-    /// 60F2h.
+    /// 60F2h, or a product's module, which commands them without it.
     pub positioning_options: bool,
 }
 
