@@ -15,6 +15,9 @@ PROFILE_TORQUE, PROFILE_POSITION = 4, 1
 #: Clocks of a period of the modulation.
 PERIOD = 8_400
 
+#: 6041h.
+TARGET_REACHED = 1 << 10
+
 
 @functools.cache
 def data_sheet():
@@ -63,6 +66,14 @@ def move(servo, way):
     servo[0x6040] = ENABLE
     servo[0x6040] = ENABLE | 0x10
     return target
+
+
+def on_the_way(servo, speed, way):
+    """In the middle of a profile position move."""
+    servo[0x6081], servo[0x6083], servo[0x6084] = speed, 20 * speed, 20 * speed
+    move(servo, way)
+    servo.bench.milliseconds(80)
+    assert not servo[0x6041] & TARGET_REACHED
 
 
 def current_interrupts(chip, periods, more=0):

@@ -6,10 +6,9 @@ import pytest
 from canopen.profiles.p402 import BaseNode402
 from conftest import ROOT, once
 from drive import Drive
-from servo_bench import PROFILE_POSITION, PROFILE_TORQUE, enable, hold, starting
+from servo_bench import PERIOD, PROFILE_POSITION, PROFILE_TORQUE, TARGET_REACHED, current_interrupts, enable, hold, on_the_way, starting
 from stm32f405.image import Image
 from test_servo import begin as begin_servo
-from test_stepper import TARGET_REACHED
 from test_stepper import begin as begin_stepper
 
 #: What thousandths of torque of the LMD are of, in mN·m: those of its axis.
@@ -140,3 +139,13 @@ def test_a_turn_of_the_s200_has_65536_increments_of_an_encoder_with_10000_counts
     servo.bench.milliseconds(300)
     assert abs(motor.count - begun - 10_000) <= 3
     assert abs(servo[0x6064] - from_there - 65_536) <= 20
+
+
+def test_the_current_interrupt_of_the_lmd_is_over_before_its_widths_are_taken(stepper):
+    on_the_way(stepper, 256_000, 512_000)
+    assert max(current_interrupts(stepper.chip, 100, more=1)) < PERIOD / 2
+
+
+def test_the_current_interrupt_of_the_s200_is_over_before_its_widths_are_taken(servo):
+    on_the_way(servo, 100_000, 100_000)
+    assert max(current_interrupts(servo.chip, 100)) < PERIOD / 2
