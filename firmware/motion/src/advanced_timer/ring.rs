@@ -6,8 +6,8 @@ use super::slots::Words;
 use crate::iterations::Iterations;
 use crate::low;
 
-/// Slots of the ring. A power of two.
-pub const SLOTS: usize = 256;
+/// Slots of the ring: half of them silent at all times, and what two time slices take fits into the other half at any rate. A power of two.
+pub const SLOTS: usize = 128;
 
 /// Words of a slot: PSC, ARR, RCR, CCR1, CCR2.
 ///
