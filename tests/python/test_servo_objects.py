@@ -323,7 +323,8 @@ def test_what_can_be_set_is_kept_within_its_limits_and_the_motor_goes_on(servo):
     one.enable("PROFILED POSITION")
     one.write(0x607A, 2_000)
     one.drive.controlword = 0x1F
-    one.until(0x6064, 2_000, 1)
+    # These values fit no motor: it hunts about the target by some counts.
+    one.until(0x6064, 2_000, 20)
     assert one.read(0x603F) == 0
 
 
