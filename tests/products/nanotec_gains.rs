@@ -188,7 +188,7 @@ fn the_load_angles_of_each_motor_are_taken() {
     for (speed, point) in [(250, 1), (500, 2), (750, 3)] {
         turns(&mut bench, speed);
         load_angles(&mut bench, [16_384; 7]);
-        bench.run(30);
+        bench.run(300);
         let flat = mean_load_angle(&mut bench) - 16_384.0;
         for (motor, angles) in PRESETS {
             load_angles(&mut bench, angles);
