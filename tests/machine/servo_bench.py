@@ -15,9 +15,6 @@ PROFILE_TORQUE, PROFILE_POSITION = 4, 1
 #: Clocks of a period of the modulation.
 PERIOD = 8_400
 
-#: 6041h.
-TARGET_REACHED = 1 << 10
-
 
 @functools.cache
 def data_sheet():

@@ -5,7 +5,7 @@ from bridge_driver import BridgeDriver
 from conftest import NODE_ID
 from drive import FAULT, FAULT_RESET, OPERATION_ENABLED
 from motor import Stepper
-from servo_bench import PERIOD, PROFILE_POSITION, TARGET_REACHED, Kind, commanded, current_interrupts, enable, hold, move, on_the_way, starting
+from servo_bench import PERIOD, PROFILE_POSITION, Kind, commanded, current_interrupts, enable, hold, move, on_the_way, starting
 from stm32f405 import HZ
 from stm32f405.image import Image
 from test_end import ENDS
@@ -15,7 +15,7 @@ from tuner import tune
 RATED = 311
 HOLDING = RATED * 1e-3
 #: Bit 11 and bit 10 of the statusword.
-INTERNAL_LIMIT = 1 << 11
+INTERNAL_LIMIT, TARGET_REACHED = 1 << 11, 1 << 10
 #: 20C4h:1: what is held back is made up while the demand is at rest.
 MADE_UP_AT_REST = 2
 

@@ -435,8 +435,9 @@ fn d_first(wanted: Rotor, max: f32, square: f32) -> Rotor {
     Rotor { d, q }
 }
 
-/// A voltage in the circle. While the motor drives, the current across times the speed not being below 0, d comes first, and q has what is left. While it brakes the voltage is as near as it comes to the one that is
-/// wanted: d first would leave q to the magnet where the current takes the whole voltage, and q would run away. NaN is 0.
+/// A voltage in the circle. `drives` is the current across times the speed: while it is not below 0 the motor drives, d comes first, and q has what
+/// is left. While the motor brakes, the voltage is as near as it comes to the one that is wanted: d first would leave q to the magnet where the
+/// current takes the whole voltage, and q would run away. NaN is 0.
 #[inline(always)]
 fn in_circle(wanted: Rotor, max: f32, drives: f32) -> Rotor {
     let square = max * max;

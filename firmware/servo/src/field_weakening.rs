@@ -15,7 +15,7 @@ const RATE: f32 = 0.01;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FieldWeakening {
     max: f32,
-    /// A period's, at max.
+    /// How far it moves in a period at most, in A.
     rate: f32,
     current: f32,
 }

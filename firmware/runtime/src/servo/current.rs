@@ -22,7 +22,7 @@ pub struct Current {
     temperature: i16,
     /// What was set waits until the power is off.
     waits: bool,
-    /// What a measurement has found is told, and none is under way.
+    /// What a measurement has found is published, and none is under way.
     is_found_published: bool,
     /// Seconds of a count of the clock.
     count: f32,
@@ -71,7 +71,7 @@ impl Current {
             3 => self.publish(counts),
             4 => {
                 self.publish_found();
-                self.link.publish_beside(|| self.loops.beside());
+                self.link.publish_raw_report(|| self.loops.raw_report());
             }
             _ => {}
         }

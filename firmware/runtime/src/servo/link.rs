@@ -8,7 +8,7 @@ use core::sync::atomic::{AtomicBool, AtomicU16, Ordering};
 use cia402::{ServoOrder, ServoReport};
 use spin::Mutex;
 
-use super::beside::Beside;
+use super::raw_report::RawReport;
 use super::{Found, LoopReport, Request, ServoData, ServoSettings};
 
 /// From the control tick.
@@ -59,8 +59,8 @@ pub struct Link {
     status: Mutex<LoopStatus>,
     found: Mutex<Found>,
     lead: AtomicU16,
-    /// Told while somebody asks for it.
-    beside: Mutex<Beside>,
+    /// Published once somebody has asked for it.
+    raw_report: Mutex<RawReport>,
     is_asked: AtomicBool,
 }
 
@@ -89,7 +89,7 @@ impl Link {
             }),
             found: Mutex::new(Found::NONE),
             lead: AtomicU16::new(0),
-            beside: Mutex::new(Beside::NONE),
+            raw_report: Mutex::new(RawReport::NONE),
             is_asked: AtomicBool::new(false),
         }
     }
@@ -134,11 +134,11 @@ impl Link {
         self.lead.load(Ordering::Relaxed)
     }
 
-    /// What the loops of this axis have told last beside the actual values; from the first call on they tell it.
+    /// The last report of the loops of this axis, beside the actual values; they publish one from the first call on.
     pub fn loop_report(&self, data: &ServoData) -> LoopReport {
         self.is_asked.store(true, Ordering::Relaxed);
-        let beside = *self.beside.lock();
-        beside.report(data, self.found())
+        let raw = *self.raw_report.lock();
+        raw.report(data, self.found())
     }
 
     /// While the tasks have locked all of it.
@@ -149,7 +149,7 @@ impl Link {
             self.set_up.lock(),
             self.status.lock(),
             self.found.lock(),
-            self.beside.lock(),
+            self.raw_report.lock(),
         );
         f();
     }
@@ -186,7 +186,7 @@ impl Link {
         self.lead.store(lead, Ordering::Relaxed);
     }
 
-    /// Returns whether it is told.
+    /// Returns whether it is published: nobody else had it locked.
     #[inline]
     pub(super) fn publish_found(&self, found: &Found) -> bool {
         let place = self.found.try_lock();
@@ -194,11 +194,11 @@ impl Link {
     }
 
     #[inline]
-    pub(super) fn publish_beside(&self, beside: impl FnOnce() -> Beside) {
+    pub(super) fn publish_raw_report(&self, report: impl FnOnce() -> RawReport) {
         if self.is_asked.load(Ordering::Relaxed)
-            && let Some(mut place) = self.beside.try_lock()
+            && let Some(mut place) = self.raw_report.try_lock()
         {
-            *place = beside();
+            *place = report();
         }
     }
 }

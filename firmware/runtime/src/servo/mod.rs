@@ -11,7 +11,6 @@
 //! The contract: [`Loops::period`] is called in the middle of the pulses, its widths act half a period later for a whole one; [`Loops::control`] behind it in
 //! each period. The gates are on while there are widths and [`Loops::fault`] is none.
 
-mod beside;
 mod current;
 mod data;
 mod feedback;
@@ -20,6 +19,7 @@ mod measurement;
 mod objects;
 mod orders;
 mod port;
+mod raw_report;
 mod settings;
 
 use core::hint::cold_path;
@@ -34,7 +34,6 @@ use servo::offsets::{Calibration, CurrentSense};
 use servo::transform::Rotor;
 use servo::{Angle, Control, CurrentInterrupt, Implausible, Motor, Wiring};
 
-use beside::Beside;
 pub use cia402::loops::{Found, LoopReport, Request, ServoSettings, StepperSettings};
 pub use current::Current;
 pub use data::{Feedback, ServoData, StageData};
@@ -44,6 +43,7 @@ use measurement::{Ending, Measurement};
 pub use objects::ServoObjects;
 pub use orders::error_code;
 pub use port::Port;
+use raw_report::RawReport;
 use settings::loops;
 
 /// Of the observer, in rad/s.
@@ -347,13 +347,13 @@ impl Loops {
 
     /// What the loops report beside the actual values.
     pub fn loop_report(&self) -> LoopReport {
-        self.beside().report(&self.data, *self.found())
+        self.raw_report().report(&self.data, *self.found())
     }
 
     /// What of it the loops alone know.
-    fn beside(&self) -> Beside {
+    fn raw_report(&self) -> RawReport {
         let report = self.control_report();
-        Beside {
+        RawReport {
             motor: (self.settings.motor, self.settings.pole_pairs),
             velocity: report.velocity,
             counts: self.position(),

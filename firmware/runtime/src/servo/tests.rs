@@ -230,11 +230,11 @@ fn an_edge_is_where_the_timer_was_on_an_encoder_with_other_counts() {
         counts: -700,
         ..ServoReport::NONE
     };
-    let told = link::LoopStatus {
+    let status = link::LoopStatus {
         report,
         ..link::LoopStatus::default()
     };
-    link.publish(0, || told);
+    link.publish(0, || status);
     // 56 counts below where it began.
     assert_eq!(port.position_at(64_944), -700);
     assert_eq!(port.position_at(64_954), -575);
@@ -243,18 +243,18 @@ fn an_edge_is_where_the_timer_was_on_an_encoder_with_other_counts() {
 
 /// What a product asks for comes over the link as the loops tell it, once somebody asks.
 #[test]
-fn what_is_beside_the_actual_values_is_told_to_who_asks() {
+fn the_report_of_the_loops_is_published_once_it_was_asked_for() {
     let (mut current, mut port, link) = linked(Some(Angle::QUARTER));
     link.energise(true);
     port.order(&held(4_000));
     run(&mut current, 40, &AT_REST);
     assert!(!link.loop_report(&DATA).is_on, "nobody has asked before");
     run(&mut current, 10, &AT_REST);
-    let told = link.loop_report(&DATA);
-    assert!(told.is_on);
-    assert_eq!(told, current.loops.loop_report());
-    assert_eq!((told.counts_of_turn, told.pole_pairs), (10_000, 4));
-    assert_eq!(told.rated_current, 4_000);
+    let report = link.loop_report(&DATA);
+    assert!(report.is_on);
+    assert_eq!(report, current.loops.loop_report());
+    assert_eq!((report.counts_of_turn, report.pole_pairs), (10_000, 4));
+    assert_eq!(report.rated_current, 4_000);
     let settings = ServoSettings {
         pole_pairs: 7,
         ..ServoSettings::NONE
@@ -262,6 +262,6 @@ fn what_is_beside_the_actual_values_is_told_to_who_asks() {
     link.energise(false);
     link.set_up(settings, None);
     run(&mut current, 10, &AT_REST);
-    let told = link.loop_report(&DATA);
-    assert_eq!((told.pole_pairs, told.own_pole_pairs), (7, 4));
+    let report = link.loop_report(&DATA);
+    assert_eq!((report.pole_pairs, report.own_pole_pairs), (7, 4));
 }

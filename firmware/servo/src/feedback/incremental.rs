@@ -1,7 +1,8 @@
 //! An incremental encoder with index: a timer that counts, and a capture at the index.
 //!
 //! The count of 16 bits wraps; the position of 64 goes on. The angle within an electrical turn is worked out of the count within a mechanical one,
-//! exactly, however many turns it has gone; so is the position where a turn has another number of positions than the encoder has counts. The first index is taken for where the turn begins; each that follows must come whole turns later,
+//! exactly, however many turns it has gone; so is the position where a turn has another number of positions than the encoder has counts.
+//! The first index is taken for where the turn begins; each that follows must come whole turns later,
 //! within the tolerance for the two edges of an index.
 
 use core::hint::cold_path;

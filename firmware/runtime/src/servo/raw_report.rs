@@ -1,5 +1,5 @@
-//! What the loops report beside the actual values: what the module of a product asks for. The loops give what they alone know as they have it, so that the current
-//! interrupt of a board has little to do; numbers with units are made of it where they are read.
+//! What the loops report beside the actual values, for the module of a product. The current interrupt of a board publishes floats as it has them,
+//! as it has little time; whole numbers with units are made of them where they are read.
 
 use cia402::loops::{Found, LoopReport, ServoSettings};
 use servo::transform::Rotor;
@@ -11,7 +11,7 @@ use super::settings::{LoopSettings as _, config};
 
 /// See the module.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Beside {
+pub(super) struct RawReport {
     /// The motor and its pole pairs as they are set.
     pub(super) motor: ([u32; 6], u16),
     /// In counts/s.
@@ -31,7 +31,7 @@ pub(super) struct Beside {
     pub(super) is_on: bool,
 }
 
-impl Beside {
+impl RawReport {
     /// Nothing is reported yet.
     pub(super) const NONE: Self = Self {
         motor: ([0; 6], 0),
