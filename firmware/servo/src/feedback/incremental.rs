@@ -10,9 +10,6 @@ use core::hint::cold_path;
 use super::FeedbackFault;
 use crate::{Angle, Motor};
 
-/// The scale where a turn has as many positions as the encoder has counts.
-const SAME: u64 = 1 << 32;
-
 /// See the module.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Incremental {
@@ -29,14 +26,12 @@ pub struct Incremental {
     /// −1 if the timer counts the other way, or 1.
     direction: i16,
     last: u16,
-    /// Counts from where it began, or from where the counts of a turn were set.
-    counted: i64,
-    /// The position there, and whole turns since.
+    /// The position where it began, or where the counts of a turn were set, and whole turns since: what is counted are these, and the count in the turn.
     begin: i64,
     turns: i64,
-    /// The count within the turn, from where `offset` is right.
     in_turn: u32,
-    offset: Angle,
+    /// The electrical angle of the middle of the count where that is 0, in parts of 2⁶⁴ of a turn.
+    zero: u64,
     index: Option<i64>,
 }
 
@@ -47,18 +42,17 @@ impl Incremental {
         let mut encoder = Self {
             counts,
             positions: counts,
-            scale: SAME,
+            scale: 1 << 32,
             pole_pairs: 0,
             factor: 0,
             half: 0,
             tolerance,
             direction: 1,
             last: timer,
-            counted: 0,
             begin: 0,
             turns: 0,
             in_turn: 0,
-            offset: Angle::ZERO,
+            zero: 0,
             index: None,
         };
         encoder.set_pole_pairs(motor.pole_pairs);
@@ -69,7 +63,6 @@ impl Incremental {
     pub fn look(&mut self, timer: u16) {
         let moved = self.moved(self.last, timer);
         self.last = timer;
-        self.counted = self.counted.wrapping_add(moved.into());
         let in_turn = self.in_turn.cast_signed() + moved;
         self.in_turn = in_turn.cast_unsigned();
         if self.in_turn >= self.counts {
@@ -95,7 +88,7 @@ impl Incremental {
     /// It is not whole turns away from the one before.
     pub fn index(&mut self, timer: u16) -> Result<(), FeedbackFault> {
         let since = self.moved(timer, self.last);
-        let at = self.counted.wrapping_sub(since.into());
+        let at = self.counted().wrapping_sub(since.into());
         let first = *self.index.get_or_insert(at);
         let turn = i64::from(self.counts);
         let off = at.wrapping_sub(first).checked_rem_euclid(turn);
@@ -111,12 +104,15 @@ impl Incremental {
         self.index
     }
 
+    /// Counts from where it began, or from where the counts of a turn were set.
+    fn counted(&self) -> i64 {
+        let turns = self.turns.wrapping_mul(self.counts.into());
+        turns.wrapping_add(self.in_turn.into())
+    }
+
     /// From where it began, in the counts of the motor.
     #[inline]
     pub fn position(&self) -> i64 {
-        if self.scale == SAME {
-            return self.begin.wrapping_add(self.counted);
-        }
         let in_turn = (u64::from(self.in_turn).wrapping_mul(self.scale) >> 32).cast_signed();
         let turns = self.turns.wrapping_mul(self.positions.into());
         self.begin.wrapping_add(turns).wrapping_add(in_turn)
@@ -129,7 +125,7 @@ impl Incremental {
         self.counts = counts;
         self.scale = (u64::from(self.positions) << 32).div_ceil(u64::from(counts));
         self.set_pole_pairs(self.pole_pairs);
-        (self.counted, self.turns, self.in_turn, self.index) = (0, 0, 0, None);
+        (self.turns, self.in_turn, self.index) = (0, 0, None);
         self.begin = position;
         self.set_angle(angle);
     }
@@ -137,10 +133,8 @@ impl Incremental {
     /// The electrical angle of the middle of the count, by the offset that was found.
     #[inline]
     pub fn angle(&self) -> Angle {
-        let middle = u64::from(self.in_turn)
-            .wrapping_mul(self.factor)
-            .wrapping_add(self.half);
-        Angle::from_bits((middle >> 32) as u32).plus(self.offset)
+        let turned = u64::from(self.in_turn).wrapping_mul(self.factor);
+        Angle::from_bits((turned.wrapping_add(self.zero) >> 32) as u32)
     }
 
     /// Other pole pairs, from where the count within the turn is 0.
@@ -150,8 +144,10 @@ impl Incremental {
         // Of a half: the whole is that twice, and no more than a last bit off.
         let turns = u64::from(pole_pairs) << 31;
         let (whole, rest) = (turns / counts, turns % counts);
+        let offset = self.zero.wrapping_sub(self.half);
         self.half = (whole << 32).wrapping_add((rest << 32) / counts);
         self.factor = self.half.wrapping_mul(2);
+        self.zero = self.half.wrapping_add(offset);
     }
 
     /// Whether the timer counts the other way, from now on.
@@ -161,12 +157,13 @@ impl Incremental {
 
     /// The electrical angle where the count within the turn is 0.
     pub fn offset(&self) -> Angle {
-        self.offset
+        Angle::from_bits((self.zero.wrapping_sub(self.half) >> 32) as u32)
     }
 
     /// The rotor stands at this electrical angle now.
     pub fn set_angle(&mut self, angle: Angle) {
-        self.offset = self.offset.plus(angle.minus(self.angle()));
+        let by = angle.minus(self.angle());
+        self.zero = self.zero.wrapping_add(u64::from(by.bits()) << 32);
     }
 }
 
