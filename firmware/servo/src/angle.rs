@@ -68,6 +68,15 @@ impl Angle {
     }
 }
 
+/// Sine and cosine of four times a small angle in rad, by Taylor's series up to its fourth power. Where that is up to a twentieth of a turn they are within 3 · 10⁻⁵, up to an
+/// eighth within 2.5 · 10⁻³.
+#[inline(always)]
+pub(crate) fn sine_cosine_of_four(angle: f32) -> (f32, f32) {
+    let square = angle * angle;
+    let fourth = (32.0 / 3.0) * square;
+    (angle * (4.0 - fourth), 1.0 - square * (8.0 - fourth))
+}
+
 #[allow(
     clippy::indexing_slicing,
     reason = "a constant: what is beyond the table does not compile"
@@ -117,6 +126,17 @@ mod tests {
             let (sine, cosine) = angle.sine_cosine();
             assert!((f64::from(sine) - exact.sin()).abs() < 3e-6);
             assert!((f64::from(cosine) - exact.cos()).abs() < 3e-6);
+        }
+    }
+
+    #[test]
+    fn a_small_angle_has_its_sine_and_cosine() {
+        for step in -1_000..=1_000_i32 {
+            let eighth = step as f32 / 1_000.0 * core::f32::consts::FRAC_PI_4;
+            let (sine, cosine) = sine_cosine_of_four(eighth / 4.0);
+            let within = if step.abs() <= 400 { 3e-5 } else { 2.5e-3 };
+            assert!((sine - eighth.sin()).abs() < within, "{step}");
+            assert!((cosine - eighth.cos()).abs() < within, "{step}");
         }
     }
 

@@ -25,21 +25,22 @@ mod axis;
 use core::hint::cold_path;
 
 use crate::Angle;
+use crate::angle::sine_cosine_of_four;
 use crate::field_weakening::FieldWeakening;
 use crate::modulation::{Modulation, Widths};
 use crate::motor::{Implausible, Motor, Wiring};
-use crate::number::{greater, is_within, lesser, limit, limit_at_once, root, root_of_number};
+use crate::number::{inverse_root, is_within, limit, limit_at_once, root_of_number};
 use crate::transform::{Clarke, Rotor};
 use axis::Axis;
 pub use axis::{SOFTEST, STIFFEST};
 
-/// The fastest electrical speed that is reckoned with, in rad/s.
-const FASTEST: f32 = 50_000.0;
+/// The fastest that is reckoned with, in parts of 2³² of a turn in a period: an eighth of a turn, as the observer.
+const FASTEST: f32 = 536_870_912.0;
 
 /// 2³² / 2π.
 const BITS_OF_RADIAN: f32 = 683_565_275.0;
 
-/// Below any current.
+/// Below the square of any current.
 const NONE: f32 = -1.0;
 
 /// How the loop is set up.
@@ -79,13 +80,13 @@ impl CurrentConfig {
 /// What is measured in the middle of a period.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
-    /// The currents of the phases into the motor, in A. The third of a motor of two is nothing.
+    /// The currents of the phases into the motor, in A. The third of a motor of two is any number.
     pub currents: [f32; 3],
     /// The voltage of the bus, in V.
     pub bus: f32,
     /// The electrical angle of the rotor.
     pub angle: Angle,
-    /// By how much that turns in a period, less than half a turn: [`CurrentLoop::turned_in_period`].
+    /// By how much that turns in a period, at most an eighth of a turn: [`CurrentLoop::turned_in_period`].
     pub turn: Angle,
 }
 
@@ -110,21 +111,25 @@ pub struct CurrentLoop {
     wiring: Wiring,
     clarke: Clarke,
     resistance: f32,
-    flux: f32,
+    /// The voltage of the magnet at the speed that turns by a part of 2³² of a turn in a period.
+    induced: f32,
     d: Axis,
     q: Axis,
-    /// A quarter of the period, in s.
-    quarter: f32,
-    /// The speed in rad/s that turns by a part of 2³² in a period.
-    by_turn: f32,
     max_square: f32,
+    /// The circle of the voltage, in parts of the modulation, and its square.
+    circle: f32,
+    circle_square: f32,
     weakening: FieldWeakening,
     /// The voltage that acts, seen from the rotor in the middle of its period.
     voltage: Rotor,
     current: Rotor,
     demand: Rotor,
-    /// The current of a phase that ends it, in A. Before the first sample of a start and behind a trip it is [`NONE`]: each sample is beyond it, and nothing else need be asked.
-    trip: f32,
+    /// The sum of the squares of the phases that none of them is beyond the trip. Before the first sample of a start and behind a trip it is [`NONE`]: each sample is
+    /// beyond it, and nothing else need be asked.
+    safe_square: f32,
+    /// The bits of the least voltage of the bus, and how many more the greatest has: those of numbers above 0 go up with them, and those of NaN are beyond.
+    least_bus: u32,
+    bus_range: u32,
     tripped: Option<Trip>,
 }
 
@@ -149,23 +154,26 @@ impl CurrentLoop {
             && is_within(config.weakening, 0.0, config.max_current)
             && is_within(least, 1.0, max)
             && is_within(max, least, 2e3);
+        let circle = modulation.circle();
         let current_loop = Self {
             config,
             modulation,
             wiring: motor.wiring,
             clarke: Clarke::new(motor.wiring),
             resistance: motor.resistance,
-            flux: motor.flux,
+            induced: motor.flux / (config.period * BITS_OF_RADIAN),
             d: Axis::new(motor.inductance_d, &config),
             q: Axis::new(motor.inductance_q, &config),
-            quarter: config.period / 4.0,
-            by_turn: 1.0 / (config.period * BITS_OF_RADIAN),
             max_square: config.max_current * config.max_current,
-            weakening: FieldWeakening::new(config.weakening),
+            circle,
+            circle_square: circle * circle,
+            weakening: FieldWeakening::new(config.weakening, circle * circle),
             voltage: Rotor::ZERO,
             current: Rotor::ZERO,
             demand: Rotor::ZERO,
-            trip: NONE,
+            safe_square: NONE,
+            least_bus: least.to_bits(),
+            bus_range: max.to_bits().wrapping_sub(least.to_bits()),
             tripped: None,
         };
         is_one.then_some(current_loop).ok_or(Implausible)
@@ -217,7 +225,7 @@ impl CurrentLoop {
         self.d = Axis::new(self.d.inductance, &self.config);
         self.q = Axis::new(self.q.inductance, &self.config);
         self.weakening.reset();
-        (self.tripped, self.trip) = (None, NONE);
+        (self.tripped, self.safe_square) = (None, NONE);
     }
 
     /// The current of the last sample, in A.
@@ -235,9 +243,9 @@ impl CurrentLoop {
         self.config.share / self.config.period
     }
 
-    /// By how much a speed in electrical rad/s turns in a period.
+    /// By how much a speed in electrical rad/s turns in a period: at most an eighth of a turn.
     pub fn turned_in_period(&self, speed: f32) -> Angle {
-        let turned = limit(speed, FASTEST) * (self.config.period * BITS_OF_RADIAN);
+        let turned = limit(speed * (self.config.period * BITS_OF_RADIAN), FASTEST);
         Angle::from_bits((turned as i32).cast_unsigned())
     }
 
@@ -260,74 +268,89 @@ impl CurrentLoop {
     /// The gates are to be off. It stays so until [`CurrentLoop::start`].
     #[inline]
     pub fn run(&mut self, sample: &Sample, demand: Rotor) -> Result<Widths, Trip> {
+        let by_bus = 1.0 / sample.bus;
         let turned = sample.angle.sine_cosine();
-        let current = self.clarke.stator(sample.currents).from_rotor(turned);
-        if !self.is_held(sample.currents, sample.bus) {
+        let currents = self.clarke.phases(sample.currents);
+        let current = self.clarke.stator(currents).from_rotor(turned);
+        if !self.is_safe(currents, sample.bus) {
             cold_path();
-            let [a, b, c] = sample.currents;
+            let [a, b, c] = currents;
             self.begin(a, b, c, sample.bus, current)?;
         }
+        let before = self.current;
         self.current = current;
-        self.d.learn(current.d, sample.bus);
-        self.q.learn(current.q, sample.bus);
+        self.d.learn(current.d, before.d);
+        self.q.learn(current.q, before.q);
+        self.limit_unknown(sample.bus);
 
-        let speed = sample.turn.bits().cast_signed() as f32 * self.by_turn;
-        let keeps = self.keeping(speed);
-        // By so much the rotor turns in a quarter of a period: between the middle of a width and the middle of its halves.
-        let turn = speed * self.quarter;
-        let late = Rotor {
-            d: self.voltage.d + turn * self.voltage.q,
-            q: self.voltage.q - turn * self.voltage.d,
-        };
-        let needed = keeps.needed(current);
-        let first = Rotor {
-            d: late.d - needed.d,
-            q: late.q - needed.q,
-        };
+        let turn = sample.turn.bits().cast_signed() as f32;
+        // By so much the rotor turns in a quarter of a period, in rad: between the middle of a width and the middle of its halves.
+        let quarter = turn * (0.25 / BITS_OF_RADIAN);
+        let keeps = self.keeping(turn);
+        let first = keeps.beyond(self.voltage, quarter, current);
         let begin = self.later(current, first);
 
         let demand = self.within_limits(demand);
         self.demand = demand;
         let needed = keeps.needed(begin);
-        let wanted = Rotor {
-            d: needed.d + self.d.corrects * (demand.d - begin.d),
-            q: needed.q + self.q.corrects * (demand.q - begin.q),
+        let corrects = Rotor {
+            d: self.d.corrects * (demand.d - begin.d),
+            q: self.q.corrects * (demand.q - begin.q),
         };
-        let max = self.modulation.max_voltage(sample.bus);
-        self.weakening.look(wanted, max);
-        let voltage = in_circle(wanted, max, begin.q * speed);
+        let wanted = needed.plus(corrects);
+        // In parts of the modulation the circle is the same whatever the bus.
+        let of_volt = self.modulation.of_volt(by_bus);
+        let (mut voltage, mut beyond, mut parts) = (wanted, corrects, wanted.times(of_volt));
+        let square = parts.square();
+        self.weakening.look(square);
+        let fits = square <= self.circle_square;
+        if !fits {
+            cold_path();
+            // While the motor drives, d comes first, and q has what is left. While it brakes, the voltage is as near as it comes to the one that is wanted: d first
+            // would leave q to the magnet where the current takes the whole voltage, and q would run away.
+            if begin.q * turn < 0.0 && square.is_finite() {
+                let share = self.circle * inverse_root(square);
+                (voltage, parts) = (wanted.times(share), parts.times(share));
+            } else {
+                parts = d_first(parts, square, self.circle);
+                voltage = parts.times(self.modulation.volts(sample.bus));
+            }
+            beyond = voltage.minus(needed);
+        }
         self.voltage = voltage;
         let second = Rotor {
-            d: voltage.d - turn * voltage.q - needed.d,
-            q: voltage.q + turn * voltage.d - needed.q,
+            d: beyond.d - quarter * voltage.q,
+            q: beyond.q + quarter * voltage.d,
         };
         let expected = self.later(begin, second);
         (self.d.expected, self.q.expected) = (expected.d, expected.q);
-        (self.d.beyond, self.q.beyond) = (first.d + second.d, first.q + second.q);
 
-        let middle = sample.angle.plus(sample.turn).sine_cosine();
-        let voltage = voltage.beside_stator(middle);
-        let by_bus = 1.0 / sample.bus;
-        Ok(self.modulation.widths(voltage, sample.currents, by_bus))
+        // Until the middle of its width the rotor turns on.
+        let parts = parts
+            .turned(sine_cosine_of_four(quarter))
+            .beside_stator(turned);
+        Ok(self.modulation.widths_of_parts(parts, currents))
     }
 
-    /// Whether nothing that was measured is beyond its bounds or NaN.
+    /// Whether what was measured is so far within its bounds that it need not be looked at more closely: beyond 0.8 of the trip it is; NaN always.
     #[inline(always)]
-    fn is_held(&self, [a, b, c]: [f32; 3], bus: f32) -> bool {
-        let (least, max) = self.config.bus;
-        self.is_below_trip(a)
-            && self.is_below_trip(b)
-            && (self.wiring == Wiring::TwoPhase || self.is_below_trip(c))
-            && bus >= least
-            && bus <= max
+    fn is_safe(&self, [a, b, c]: [f32; 3], bus: f32) -> bool {
+        a * a + b * b + c * c <= self.safe_square
+            && bus.to_bits().wrapping_sub(self.least_bus) <= self.bus_range
     }
 
+    /// What is not known stays a voltage that the bus has; NaN becomes 0. While both are within it together, each is.
     #[inline(always)]
-    fn is_below_trip(&self, current: f32) -> bool {
-        current.abs() <= self.trip
+    fn limit_unknown(&mut self, bus: f32) {
+        let fits = self.d.unknown.abs() + self.q.unknown.abs() <= bus;
+        if !fits {
+            cold_path();
+            self.d.unknown = limit_at_once(self.d.unknown, bus);
+            self.q.unknown = limit_at_once(self.q.unknown, bus);
+        }
     }
 
-    /// The first sample; or it cannot go on.
+    /// The first sample, one near its bounds; or it cannot go on.
     #[cold]
     #[inline(never)]
     fn begin(&mut self, a: f32, b: f32, c: f32, bus: f32, current: Rotor) -> Result<(), Trip> {
@@ -336,40 +359,52 @@ impl CurrentLoop {
         if let Some(trip) = self.tripped {
             return Err(trip);
         }
-        self.trip = self.config.trip;
-        if self.is_held(currents, bus) {
+        if let Some(found) = self.cause(currents, bus) {
+            (self.tripped, self.safe_square) = (Some(found), NONE);
+            self.voltage = Rotor::ZERO;
+            return Err(found);
+        }
+        if self.safe_square == NONE {
+            self.safe_square = self.config.trip * self.config.trip;
+            self.current = current;
             (self.d.expected, self.q.expected) = (current.d, current.q);
-            return Ok(());
         }
-        let found = self.cause(currents, bus);
-        (self.tripped, self.trip) = (Some(found), NONE);
-        self.voltage = Rotor::ZERO;
-        Err(found)
+        Ok(())
     }
 
-    /// Why it cannot go on.
-    fn cause(&self, currents: [f32; 3], bus: f32) -> Trip {
-        let phases = self.wiring.phases();
-        let is_beyond = |current: &f32| !self.is_below_trip(*current);
+    /// Why it cannot go on, if it cannot.
+    fn cause(&self, currents: [f32; 3], bus: f32) -> Option<Trip> {
+        let CurrentConfig {
+            trip,
+            bus: (least, max),
+            ..
+        } = self.config;
+        let is_below = |current: &f32| current.abs() <= trip;
         let sum: f32 = currents.iter().sum();
-        match currents.iter().take(phases).any(is_beyond) {
+        if !currents.iter().all(is_below) {
             // What goes out by one of three phases comes back by the others.
-            true if phases == 3 && sum.abs() > 0.5 * self.config.trip => Trip::Short,
-            true => Trip::OverCurrent,
-            false if bus > self.config.bus.1 => Trip::OverVoltage,
-            false => Trip::UnderVoltage,
+            let is_short = self.wiring == Wiring::ThreePhase && sum.abs() > 0.5 * trip;
+            return Some(if is_short {
+                Trip::Short
+            } else {
+                Trip::OverCurrent
+            });
         }
+        if bus > max {
+            return Some(Trip::OverVoltage);
+        }
+        (!is_within(bus, least, max)).then_some(Trip::UnderVoltage)
     }
 
-    /// What keeps a current at a speed.
+    /// What keeps a current while the rotor turns by so many parts of 2³² of a turn in a period.
     #[inline(always)]
-    fn keeping(&self, speed: f32) -> Keeping {
+    fn keeping(&self, turn: f32) -> Keeping {
         Keeping {
             resistance: self.resistance,
-            across: speed * self.q.inductance,
-            along: speed * self.d.inductance,
+            across: turn * self.q.reactance,
+            along: turn * self.d.reactance,
             d: self.d.unknown,
-            q: self.q.unknown + speed * self.flux,
+            q: self.q.unknown + turn * self.induced,
         }
     }
 
@@ -386,14 +421,15 @@ impl CurrentLoop {
     #[inline]
     fn within_limits(&self, demand: Rotor) -> Rotor {
         let demand = Rotor {
-            d: demand.d + self.weakening.current(),
+            d: demand.d - self.weakening.current(),
             q: demand.q,
         };
-        if demand.square() <= self.max_square {
+        let square = demand.square();
+        if square <= self.max_square {
             return demand;
         }
         cold_path();
-        d_first(demand, self.config.max_current, self.max_square)
+        d_first(demand, square, self.config.max_current)
     }
 }
 
@@ -418,49 +454,34 @@ impl Keeping {
             q: self.q + self.resistance * current.q + self.along * current.d,
         }
     }
-}
 
-/// What is beyond a circle by its radius and the square of that: d first, and of q what it leaves. NaN is 0.
-#[inline(always)]
-fn d_first(wanted: Rotor, max: f32, square: f32) -> Rotor {
-    let d = limit_at_once(wanted.d, max);
-    let left = lesser(wanted.q.abs(), root_of_number(square - d * d));
-    let q = if wanted.q > 0.0 {
-        left
-    } else if wanted.q < 0.0 {
-        -left
-    } else {
-        0.0
-    };
-    Rotor { d, q }
-}
-
-/// A voltage in the circle. `drives` is the current across times the speed: while it is not below 0 the motor drives, d comes first, and q has what
-/// is left. While the motor brakes, the voltage is as near as it comes to the one that is wanted: d first would leave q to the magnet where the
-/// current takes the whole voltage, and q would run away. NaN is 0.
-#[inline(always)]
-fn in_circle(wanted: Rotor, max: f32, drives: f32) -> Rotor {
-    let square = max * max;
-    if wanted.square() <= square {
-        return wanted;
+    /// What of a voltage, from which the rotor has turned on by an angle, is beyond that: it changes the current. Each sum goes on from a difference, which saves a copy.
+    #[inline(always)]
+    fn beyond(&self, voltage: Rotor, angle: f32, current: Rotor) -> Rotor {
+        let (d, q) = (voltage.d - self.d, voltage.q - self.q);
+        Rotor {
+            d: d + angle * voltage.q - self.resistance * current.d + self.across * current.q,
+            q: q - angle * voltage.d - self.resistance * current.q - self.along * current.d,
+        }
     }
-    cold_path();
-    if drives >= 0.0 {
-        return d_first(wanted, max, square);
-    }
-    nearest(wanted, max)
 }
 
-/// As near as it comes within a circle. NaN is 0.
-#[inline(never)]
-fn nearest(wanted: Rotor, max: f32) -> Rotor {
-    let wanted = Rotor {
-        d: limit_at_once(wanted.d, 1e6),
-        q: limit_at_once(wanted.q, 1e6),
-    };
-    let share = max / greater(root(wanted.square()), max);
+/// What is beyond a circle, with its square: d first, and of q what it leaves. What is no number is nothing.
+#[inline(always)]
+fn d_first(wanted: Rotor, square: f32, max: f32) -> Rotor {
+    if !square.is_finite() {
+        return Rotor::ZERO;
+    }
+    let signed = |size: f32, sign: f32| if sign < 0.0 { -size } else { size };
+    if wanted.d.abs() >= max {
+        return Rotor {
+            d: signed(max, wanted.d),
+            q: 0.0,
+        };
+    }
+    let left = root_of_number((max - wanted.d) * (max + wanted.d));
     Rotor {
-        d: wanted.d * share,
-        q: wanted.q * share,
+        d: wanted.d,
+        q: signed(left, wanted.q),
     }
 }

@@ -99,24 +99,21 @@ impl CurrentInterrupt {
     pub fn run(&mut self, counts: &Counts) -> Result<Widths, Trip> {
         self.encoder.look(counts.timer);
         self.observer.look(self.encoder.angle());
-        if self.left > 0 {
-            self.left -= 1;
-            self.demand.d += self.step.d;
-            self.demand.q += self.step.q;
-        }
         let sample = Sample {
             currents: self.sense.amperes(counts.currents),
             bus: f32::from(counts.bus) * self.bus,
             angle: self.observer.angle(),
             turn: self.observer.turn(),
         };
-        let demand = match &mut self.field {
-            Some((from, turned)) => {
-                *from = from.plus(*turned);
-                self.demand.turned(from.minus(sample.angle).sine_cosine())
-            }
-            None => self.demand,
-        };
+        let mut demand = self.demand;
+        if self.left > 0 {
+            self.left -= 1;
+            demand = demand.plus(self.step);
+            self.demand = demand;
+        } else if let Some((from, turned)) = &mut self.field {
+            *from = from.plus(*turned);
+            demand = demand.turned(from.minus(sample.angle).sine_cosine());
+        }
         self.current.run(&sample, demand)
     }
 

@@ -6,11 +6,11 @@
 //! The dead time takes `bus · dead time / period` from a half bridge in the direction of its current, twice that from a full bridge. It is given back by
 //! the sign of the current, bent to nothing below the ripple, where the current passes zero within a period.
 //!
-//! A voltage becomes whole numbers before the phases are compared: the core bounds one of these by one instruction, a float by four.
+//! A voltage becomes whole numbers before it becomes phases: two are converted, not three, and the core bounds one by one instruction, a float by four.
 
 use crate::motor::{Implausible, Wiring};
-use crate::number::is_within;
-use crate::transform::Stator;
+use crate::number::{held, is_within};
+use crate::transform::{HEIGHT, Stator};
 
 /// 1/√3: the share of the bus that three phases can have as their amplitude.
 const THREE_PHASE_REACH: f32 = 0.577_350_3;
@@ -31,29 +31,29 @@ pub fn shares(wiring: Wiring, widths: Widths) -> [f32; 3] {
     })
 }
 
-/// Within the reach a phase has 15 bits and a sign, a current within the ripple 12.
-const REACH_BITS: u32 = 15;
+/// Within the reach a phase has 27 bits and a sign, a current within the ripple 12; so has what is lost in dead time, once it is multiplied by that.
+const REACH_BITS: u32 = 27;
 const RIPPLE_BITS: u32 = 12;
 
-/// From −2 to the power of the bits to one less than that on the other side.
-#[inline(always)]
-fn held(value: i32, bits: u32) -> i32 {
-    value.clamp(-(1 << bits), (1 << bits) - 1)
-}
+/// With the whole period as its reach a part of it is so many parts of 2³² of a width; 32 less, as a width of 2¹⁵ is none.
+const WIDTH_OF_REACH: f32 = 1_048_576.0;
 
 /// The modulation of a power stage.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Modulation {
     wiring: Wiring,
-    /// What is lost in dead time, in parts of the reach.
+    /// What is lost in dead time, in parts of the reach, for a part of the ripple.
     lost: i32,
     /// Parts of the ripple in 1 A.
     by_ripple: f32,
     /// The greatest amplitude of a voltage, as a share of the bus.
     max_share: f32,
-    /// Parts of the reach in the share 1 of the bus.
+    /// Parts of the reach in the share 1 of the bus, and that share in a part.
     by_reach: f32,
-    /// The greatest width.
+    of_reach: f32,
+    /// What of β is in the phases across A.
+    height: f32,
+    /// Parts of 2³² of a width in a part of the reach.
     reach: i32,
 }
 
@@ -73,18 +73,21 @@ impl Modulation {
             && is_within(ripple, 1e-3, 1e3)
             && is_within(reach, 0.1, 1.0);
         let whole = (1 << REACH_BITS) as f32;
-        let (max_share, by_reach) = match wiring {
-            Wiring::TwoPhase => (reach, whole / reach),
-            Wiring::ThreePhase => (reach * THREE_PHASE_REACH, 2.0 * whole / reach),
+        let (max_share, by_reach, height) = match wiring {
+            Wiring::TwoPhase => (reach, whole / reach, 1.0),
+            Wiring::ThreePhase => (reach * THREE_PHASE_REACH, 2.0 * whole / reach, HEIGHT),
         };
+        let of_ripple = (1 << RIPPLE_BITS) as f32;
         let modulation = Self {
             wiring,
             // A full bridge loses it on both sides, and has twice the bus from one end of its reach to the other.
-            lost: (dead_time * 2.0 * whole / reach) as i32,
-            by_ripple: (1 << RIPPLE_BITS) as f32 / ripple,
+            lost: (dead_time * 2.0 * whole / reach / of_ripple) as i32,
+            by_ripple: of_ripple / ripple,
             max_share,
             by_reach,
-            reach: ((reach * whole) as i32).min(i32::from(i16::MAX)),
+            of_reach: 1.0 / by_reach,
+            height,
+            reach: ((reach * WIDTH_OF_REACH) as i32).min(WIDTH_OF_REACH as i32 - 32),
         };
         is_one.then_some(modulation).ok_or(Implausible)
     }
@@ -95,32 +98,59 @@ impl Modulation {
         bus * self.max_share
     }
 
+    /// Parts of the reach in 1 V, on a bus by whose inverse it is multiplied.
+    #[inline(always)]
+    pub(crate) fn of_volt(&self, by_bus: f32) -> f32 {
+        self.by_reach * by_bus
+    }
+
+    /// Volts of a part of the reach.
+    #[inline(always)]
+    pub(crate) fn volts(&self, bus: f32) -> f32 {
+        self.of_reach * bus
+    }
+
+    /// The greatest amplitude of a voltage in parts of the reach, whatever the bus.
+    pub(crate) fn circle(&self) -> f32 {
+        self.max_share * self.by_reach
+    }
+
     /// The pulse widths of a voltage, with the currents of the phases, on a bus by whose inverse it is multiplied.
     #[inline(always)]
     pub fn widths(&self, voltage: Stator, currents: [f32; 3], by_bus: f32) -> Widths {
-        let parts = self.by_reach * by_bus;
-        let [a, b, c] = Stator {
+        let parts = self.of_volt(by_bus);
+        let voltage = Stator {
             alpha: voltage.alpha * parts,
             beta: voltage.beta * parts,
-        }
-        .phases(self.wiring);
-        let [ia, ib, ic] = currents;
-        // NaN is 0 here. Four times the reach and what is lost, again up to four times that, are far from the end of the range.
-        let phase = |voltage: f32, current: f32| {
-            let sign = held((current * self.by_ripple) as i32, RIPPLE_BITS);
-            held(voltage as i32, REACH_BITS + 2) + ((self.lost * sign) >> RIPPLE_BITS)
         };
-        // Both shifts round down, half a part each in the mean: that is given back here.
+        self.widths_of_parts(voltage, currents)
+    }
+
+    /// The same of a voltage in parts of the reach.
+    #[inline(always)]
+    pub(crate) fn widths_of_parts(&self, voltage: Stator, currents: [f32; 3]) -> Widths {
+        // NaN is 0 here. A phase is at most three times the reach, and what is lost four times: the difference of two is within the range.
+        let whole = |voltage: f32| held(voltage as i32, REACH_BITS + 1);
+        let lost = |current: f32| self.lost * held((current * self.by_ripple) as i32, RIPPLE_BITS);
         let width = |phase: i32| {
-            let part = held(phase, REACH_BITS) * self.reach + (1 << REACH_BITS);
-            (part >> REACH_BITS) as i16
+            let part = i64::from(held(phase, REACH_BITS)) * i64::from(self.reach);
+            ((part + (1 << 31)) >> 32) as i16
         };
-        let (a, b) = (phase(a, ia), phase(b, ib));
+        let [ia, ib, ic] = currents;
+        let (a, across) = (whole(voltage.alpha), whole(voltage.beta * self.height));
         match self.wiring {
-            Wiring::TwoPhase => [width(a), width(b), 0],
+            Wiring::TwoPhase => [width(a + lost(ia)), width(across + lost(ib)), 0],
             Wiring::ThreePhase => {
-                let c = phase(c, ic);
-                let middle = (a.max(b).max(c) + a.min(b).min(c)) >> 1;
+                let back = a >> 1;
+                let (a, b, c) = (
+                    a + lost(ia),
+                    across - back + lost(ib),
+                    lost(ic) - (across + back),
+                );
+                // The core has no greater of two, but one that is not below 0.
+                let more = (a - b).max(0);
+                let (most, least) = (b + more, a - more);
+                let middle = (most + (c - most).max(0) + least - (least - c).max(0)) >> 1;
                 [a, b, c].map(|phase| width(phase - middle))
             }
         }
@@ -152,10 +182,10 @@ mod tests {
 
         /// Whatever is asked for, a width is one.
         #[test]
-        fn no_number_makes_a_width_that_is_none(bits: [u32; 6], reach in 0.1..1.0_f32) {
+        fn no_number_makes_a_width_that_is_none(bits: [u32; 6], reach in 0.1..1.0_f32, dead in 0.0..0.2_f32) {
             let [alpha, beta, a, b, c, by_bus] = bits.map(f32::from_bits);
             for wiring in [Wiring::TwoPhase, Wiring::ThreePhase] {
-                let modulation = Modulation::new(wiring, 0.01, 0.1, reach).unwrap();
+                let modulation = Modulation::new(wiring, dead, 0.1, reach).unwrap();
                 for width in modulation.widths(Stator { alpha, beta }, [a, b, c], by_bus) {
                     prop_assert!(f32::from(width).abs() <= reach * 32_768.0 + 1.0, "{}", width);
                 }

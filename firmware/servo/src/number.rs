@@ -42,6 +42,12 @@ pub fn between(value: f32, min: f32, max: f32) -> f32 {
     }
 }
 
+/// From −2 to the power of the bits to one less than that on the other side.
+#[inline(always)]
+pub(crate) fn held(value: i32, bits: u32) -> i32 {
+    value.clamp(-(1 << bits), (1 << bits) - 1)
+}
+
 /// The greater one; the other if one is NaN.
 #[inline]
 pub fn greater(one: f32, other: f32) -> f32 {
@@ -80,10 +86,16 @@ pub fn root(value: f32) -> f32 {
 /// The same of 0 or a finite number above it, where there is no time for a call.
 #[inline(always)]
 pub(crate) fn root_of_number(value: f32) -> f32 {
-    let guess = f32::from_bits(0x5F1F_FFF9_u32.wrapping_sub(value.to_bits() >> 1));
-    let inverse = guess * (1.681_913_9 - 0.703_952_25 * value * guess * guess);
+    let inverse = inverse_root(value);
     let root = value * inverse;
     root * (1.5 - 0.5 * root * inverse)
+}
+
+/// 1/√x of a finite number above 0, within 7 · 10⁻⁴ of it: the first of these steps.
+#[inline(always)]
+pub(crate) fn inverse_root(value: f32) -> f32 {
+    let guess = f32::from_bits(0x5F1F_FFF9_u32.wrapping_sub(value.to_bits() >> 1));
+    guess * (1.681_913_9 - 0.703_952_25 * value * guess * guess)
 }
 
 /// The factor by which something fades in a period, when it fades at so many rad/s: e^(−rate · period), as a quotient that stays between 0 and 1.

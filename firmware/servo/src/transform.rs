@@ -6,7 +6,7 @@
 use crate::motor::Wiring;
 
 /// √3 / 2.
-const HEIGHT: f32 = 0.866_025_4;
+pub(crate) const HEIGHT: f32 = 0.866_025_4;
 
 /// A vector beside the stator.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -20,10 +20,12 @@ pub struct Stator {
 /// From the phases to the stator as factors: without a question for the wiring in each period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Clarke {
-    /// Of phase A, and of both others, into α.
-    alpha: (f32, f32),
-    /// Of phase B, and of C, into β.
-    beta: (f32, f32),
+    /// Of the third phase: 0 if there is none.
+    third: f32,
+    /// Of what all have in common three times, out of α.
+    common: f32,
+    /// Of phase B less C, into β.
+    across: f32,
 }
 
 impl Clarke {
@@ -31,21 +33,30 @@ impl Clarke {
     pub(crate) const fn new(wiring: Wiring) -> Self {
         match wiring {
             Wiring::TwoPhase => Self {
-                alpha: (1.0, 0.0),
-                beta: (1.0, 0.0),
+                third: 0.0,
+                common: 0.0,
+                across: 1.0,
             },
             Wiring::ThreePhase => Self {
-                alpha: (2.0 / 3.0, -1.0 / 3.0),
-                beta: (0.5 / HEIGHT, -0.5 / HEIGHT),
+                third: 1.0,
+                common: 1.0 / 3.0,
+                across: 0.5 / HEIGHT,
             },
         }
     }
 
+    /// The phases that there are: of two, the third becomes 0.
+    #[inline(always)]
+    pub(crate) fn phases(&self, [a, b, c]: [f32; 3]) -> [f32; 3] {
+        [a, b, self.third * c]
+    }
+
+    /// Of phases that there are.
     #[inline(always)]
     pub(crate) fn stator(&self, [a, b, c]: [f32; 3]) -> Stator {
         Stator {
-            alpha: self.alpha.0 * a + self.alpha.1 * (b + c),
-            beta: self.beta.0 * b + self.beta.1 * c,
+            alpha: a - self.common * (a + (b + c)),
+            beta: self.across * (b - c),
         }
     }
 }
@@ -63,7 +74,8 @@ impl Stator {
     /// Of what is in the phases (Clarke). What three have in common is left out.
     #[inline]
     pub fn of_phases(wiring: Wiring, phases: [f32; 3]) -> Self {
-        Clarke::new(wiring).stator(phases)
+        let clarke = Clarke::new(wiring);
+        clarke.stator(clarke.phases(phases))
     }
 
     /// In each phase. Three add up to 0; of two, the third is 0.
@@ -107,6 +119,33 @@ impl Rotor {
     pub fn turned(self, sine_cosine: (f32, f32)) -> Self {
         let Stator { alpha: d, beta: q } = self.beside_stator(sine_cosine);
         Self { d, q }
+    }
+
+    /// So many times as long.
+    #[inline(always)]
+    pub(crate) fn times(self, factor: f32) -> Self {
+        Self {
+            d: self.d * factor,
+            q: self.q * factor,
+        }
+    }
+
+    /// The sum of both.
+    #[inline(always)]
+    pub(crate) fn plus(self, other: Self) -> Self {
+        Self {
+            d: self.d + other.d,
+            q: self.q + other.q,
+        }
+    }
+
+    /// The difference of both.
+    #[inline(always)]
+    pub(crate) fn minus(self, other: Self) -> Self {
+        Self {
+            d: self.d - other.d,
+            q: self.q - other.q,
+        }
     }
 
     /// The square of its size.

@@ -183,6 +183,8 @@ fn a_current_above_the_trip_turns_the_gates_off_until_a_start() {
         currents: [current, 0.0, 0.0],
         ..sample(0.0, 48.0)
     };
+    // What is near a bound is not beyond it.
+    let near = sample(11.9, 59.9);
     for (sample, trip) in [
         (sample(12.1, 48.0), Trip::OverCurrent),
         (sample(-12.1, 48.0), Trip::OverCurrent),
@@ -199,6 +201,7 @@ fn a_current_above_the_trip_turns_the_gates_off_until_a_start() {
             ..Sample::default()
         };
         assert!(rig.current.run(&good, q(1.0)).is_ok());
+        assert!(rig.current.run(&near, q(1.0)).is_ok());
         assert_eq!(rig.current.run(&sample, q(1.0)), Err(trip));
         assert_eq!(rig.current.run(&good, q(1.0)), Err(trip), "it stays");
         rig.current.start();

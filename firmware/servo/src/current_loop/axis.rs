@@ -1,7 +1,7 @@
 //! The model of one axis of the rotor: what a voltage does to its current, and what of it is not known.
 
-use super::CurrentConfig;
-use crate::number::{greater, lesser, limit_at_once};
+use super::{BITS_OF_RADIAN, CurrentConfig};
+use crate::number::{greater, lesser};
 
 /// The least and the greatest response of a winding, as a share of that of its data.
 pub const STIFFEST: f32 = 0.6;
@@ -18,6 +18,8 @@ const TELLING: f32 = 0.02;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Axis {
     pub(super) inductance: f32,
+    /// ωe L in Ω, at the speed that turns by a part of 2³² of a turn in a period.
+    pub(super) reactance: f32,
     /// What a volt beyond what keeps the current changes of it in half a period, in A: period / 2 L and the response.
     pub(super) changes: f32,
     /// The same with the least and with the greatest response.
@@ -27,12 +29,9 @@ pub(super) struct Axis {
     pub(super) corrects: f32,
     /// learning · L / period
     learning: f32,
-    /// The voltage beyond what keeps the current, of both halves of a period, that tells of the response.
+    /// The voltage beyond what keeps the current, of both halves of a period, that tells of the response; and the change of the current by it, in A.
     telling: f32,
-    /// What of a change that was not foretold is taken over.
-    takes: f32,
-    /// The voltage beyond what keeps the current, of both halves of the period.
-    pub(super) beyond: f32,
+    told: f32,
     /// The current that the model has foretold for the next sample.
     pub(super) expected: f32,
     /// The voltage that the model does not know.
@@ -45,14 +44,14 @@ impl Axis {
         let half = 0.5 * config.period / inductance;
         let mut axis = Self {
             inductance,
+            reactance: inductance / (config.period * BITS_OF_RADIAN),
             changes: half,
             bounds: (STIFFEST * half, SOFTEST * half),
             half_share: 0.0,
             corrects: 0.0,
             learning: 0.0,
             telling: TELLING * config.max_current / half,
-            takes: TAKEN_OVER,
-            beyond: 0.0,
+            told: TELLING * config.max_current,
             expected: 0.0,
             unknown: 0.0,
         };
@@ -70,16 +69,19 @@ impl Axis {
         self.learning = learning * self.inductance / period;
     }
 
-    /// Takes up what the model has not known of the last period.
+    /// Takes up what the model has not known of the last period, at whose beginning the current was the one `before`. That what is not known stays within the
+    /// bus is left to who called.
     #[inline(always)]
-    pub(super) fn learn(&mut self, current: f32, bus: f32) {
+    pub(super) fn learn(&mut self, current: f32, before: f32) {
         let away = current - self.expected;
-        if self.beyond.abs() > self.telling {
+        let foretold = self.expected - before;
+        if foretold.abs() > self.told {
             let (stiffest, softest) = self.bounds;
-            let changes = self.changes + self.takes * away / self.beyond;
+            let changes = self.changes + TAKEN_OVER * self.changes * (away / foretold);
             self.changes = lesser(greater(changes, stiffest), softest);
             self.corrects = self.half_share / self.changes;
+            self.told = self.telling * self.changes;
         }
-        self.unknown = limit_at_once(self.unknown - self.learning * away, bus);
+        self.unknown -= self.learning * away;
     }
 }
