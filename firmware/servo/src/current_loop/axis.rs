@@ -1,5 +1,7 @@
 //! The model of one axis of the rotor: what a voltage does to its current, and what of it is not known.
 
+use core::hint::cold_path;
+
 use super::{BITS_OF_RADIAN, CurrentConfig};
 use crate::number::{greater, lesser};
 
@@ -76,6 +78,7 @@ impl Axis {
         let away = current - self.expected;
         let foretold = self.expected - before;
         if foretold.abs() > self.told {
+            cold_path();
             let (stiffest, softest) = self.bounds;
             let changes = self.changes + TAKEN_OVER * self.changes * (away / foretold);
             self.changes = lesser(greater(changes, stiffest), softest);
