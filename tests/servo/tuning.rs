@@ -120,6 +120,8 @@ fn m45_a_measurement_waits_for_a_standstill_and_ends_with_the_power() {
     drive.run_millis(20);
     assert_eq!((state(&mut drive), failure(&mut drive)), (FAILED, 7));
     assert!(OPERATION_ENABLED.is_shown_by(drive.statusword()));
+    // A last count, as the rotor comes to rest, is seen in 606Ch for 8 ms.
+    drive.run_millis(20);
     assert_eq!(drive.read_i32(0x606C, 0), 0);
 }
 
