@@ -163,3 +163,16 @@ fn m45_offsets_are_of_no_account_in_profile_modes() {
         assert!(drive.read_i16(0x6074, 0).abs() < 50);
     }
 }
+
+#[test]
+fn m45_an_offset_of_the_velocity_is_part_of_the_set_point() {
+    let mut drive = cyclic(9, 0x60FF_0020);
+    for offset in [20_000, -20_000, 0] {
+        drive.write_i32(0x60B1, 0, offset);
+        for _ in 0..60 {
+            period(&mut drive, Some(&bytes(&60_000_i32.to_le_bytes())));
+        }
+        let velocity = drive.read_i32(0x606C, 0);
+        assert!((velocity - 60_000 - offset).abs() <= 300, "{velocity}");
+    }
+}

@@ -329,3 +329,103 @@ fn m45_data_of_another_motor_are_a_fault_where_the_model_ends() {
         drive.stays_in(OPERATION_ENABLED, 300);
     }
 }
+
+/// Where a rotor is blocked: below the speed of 20C5h:2, at a limit of the torque, for the time of 20C5h:1.
+#[test]
+fn m45_a_rotor_is_blocked_below_a_speed_and_for_a_time() {
+    // At its rated torque the motor turns at 100 turns a minute, and no faster.
+    let fan = |data: &mut ServoAxisData| {
+        let rated = f64::from(data.motor().rated_torque());
+        data.plant.load.viscous_friction = rated / (100.0 / 60.0 * std::f64::consts::TAU);
+    };
+    for (speed, time, is_blocked) in [
+        (50_u16, 200_u16, false),
+        (200, 0, false),
+        (200, 150, true),
+        (200, 600, true),
+    ] {
+        let mut drive = ServoBench::on_changed("servo_100w", fan);
+        drive.write_u16(0x20C5, 1, time);
+        drive.write_u16(0x20C5, 2, speed);
+        drive.write_u16(0x6072, 0, 1_000);
+        drive.write_u32(0x6065, 0, u32::MAX);
+        let mut drive = enable(drive, 3);
+        drive.write_u32(0x6083, 0, 10_000_000);
+        drive.write_i32(0x60FF, 0, 200_000);
+        if is_blocked {
+            drive.stays_in(OPERATION_ENABLED, u64::from(time) - 20);
+            drive.run_millis(60);
+            assert_eq!(drive.read_u16(0x603F, 0), 0x7121);
+        } else {
+            drive.stays_in(OPERATION_ENABLED, 1_000);
+            let turning = drive.read_i32(0x606C, 0);
+            assert!((15_000..18_000).contains(&turning), "{turning}");
+        }
+    }
+}
+
+/// With 605Eh = 2: a fault of the loops takes the current at once, and the motor coasts; one of the position or of the board brakes it on the quick stop ramp first.
+#[test]
+fn m45_each_fault_has_the_reaction_of_its_class() {
+    type Event = fn(&mut ServoBench);
+    let events: [(u16, bool, Event); 9] = [
+        (0x2320, false, |drive| {
+            drive.plant().short = Some(Short::new(0, 0.05, 2e-6));
+        }),
+        (0x3210, false, |drive| drive.plant().charge_bus(1.4 * 48.0)),
+        (0x3220, false, |drive| drive.set_supply(false)),
+        (0x4310, false, |drive| {
+            drive.write_i16(0x2074, 3, 1_200);
+            drive.axis().plant_mut().temperature = 1_010;
+        }),
+        (0x7300, false, |drive| {
+            drive.plant().sensor_faults.stuck_current = Some((1, 3.0));
+        }),
+        (0x7305, false, |drive| {
+            drive.plant().sensor_faults.lost_counts = 7;
+        }),
+        (0x7310, false, |drive| {
+            drive.write_u16(0x6072, 0, 100);
+            drive.plant().load_torque = -0.3;
+        }),
+        (0x4210, true, |drive| {
+            // Below 80 °C, from where on it gives less torque.
+            drive.write_i16(0x2074, 3, 700);
+            drive.axis().plant_mut().temperature = 750;
+        }),
+        (0x8611, true, |drive| {
+            drive.write_u16(0x6066, 0, 0);
+            drive.write_u32(0x6065, 0, 20);
+            drive.plant().load_torque = 0.3;
+        }),
+    ];
+    for (code, brakes, event) in events {
+        let mut drive = turning("servo_100w");
+        drive.write_i16(0x605E, 0, 2);
+        drive.write_u32(0x6085, 0, 2_000_000);
+        event(&mut drive);
+        let mut waited = 0;
+        while drive.read_u16(0x603F, 0) != code {
+            drive.run_millis(1);
+            waited += 1;
+            assert!(waited < 300, "{code:04X}h");
+        }
+        drive.plant().load_torque = 0.0;
+        drive.run_millis(5);
+        let begin = drive.plant().velocity();
+        drive.run_millis(20);
+        let slower = (begin - drive.plant().velocity()) / 0.02;
+        if brakes {
+            // 1,257 rad/s², and at 8611h what is left of the load; friction alone is 312.
+            assert!(
+                (1_150.0..1_700.0).contains(&slower),
+                "{code:04X}h: {slower}"
+            );
+        } else {
+            assert_eq!(drive.plant().current(), [0.0; 2], "{code:04X}h");
+        }
+        drive.reaches(FAULT, 3_000);
+        drive.run_millis(50);
+        assert_eq!(drive.plant().current(), [0.0; 2], "{code:04X}h");
+    }
+}

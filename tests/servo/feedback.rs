@@ -223,3 +223,38 @@ fn m45_a_drive_that_is_off_bears_what_its_sensors_say() {
         fails(&mut drive, 1_500, &[0x7305]);
     }
 }
+
+/// What the sensors of the currents say without one is learnt as the power comes, before the gates are on.
+#[test]
+fn m45_offsets_of_the_current_sensors_are_learnt() {
+    let offsets = |magnet: Magnet| {
+        move |data: &mut ServoAxisData| {
+            data.magnet = magnet;
+            data.plant.sensors.current_offset = [0.08, -0.06, 0.05];
+        }
+    };
+    let mut away = [0.0; 2];
+    for (away, magnet) in away
+        .iter_mut()
+        .zip([Magnet::Known, Magnet::Absolute(&NO_ERROR)])
+    {
+        let mut drive = enable(ServoBench::on_changed("servo_100w", offsets(magnet)), 4);
+        drive.write_i16(0x6071, 0, 100);
+        drive.run_millis(100);
+        super::hold(&mut drive);
+        drive.run_millis(400);
+        assert_eq!(torque(&mut drive), 100);
+        let [d, q] = drive.plant().current();
+        *away = d.hypot(q - 0.4);
+    }
+    assert!(away[0] > 0.03 && away[1] < 2e-3, "{away:?} A");
+    // One that is too far off is broken.
+    let mut drive = ServoBench::on_changed(ABSOLUTE, |data| {
+        data.plant.sensors.current_offset = [0.0, 0.15, 0.0];
+    });
+    for word in [0x06, 0x07, 0x0F] {
+        drive.command(word);
+        drive.run_millis(10);
+    }
+    fails(&mut drive, 100, &[0x7300]);
+}

@@ -3,6 +3,8 @@
 mod cyclic;
 mod faults;
 mod feedback;
+mod figures;
+mod limits;
 mod loops;
 mod modes;
 mod objects;
