@@ -233,6 +233,16 @@ def test_what_is_given_ahead_of_the_loops(servo):
     assert sags[1] < sags[0], sags
 
 
+def test_an_offset_of_the_velocity_is_part_of_the_set_point(servo):
+    one = servo("servo_100w")
+    map_set_point(one, 0x60FF, 4)
+    one.enable("CYCLIC SYNCHRONOUS VELOCITY")
+    for offset in (20_000, -20_000, 0):
+        one.write(0x60B1, offset)
+        give(one, 60_000, 60, 4)
+        assert abs(one.read(0x606C) - 60_000 - offset) <= 400
+
+
 @pytest.mark.parametrize("axis", AXES)
 def test_position_and_velocity_on_each_axis(servo, axis):
     one = servo(axis).enable("PROFILED POSITION")

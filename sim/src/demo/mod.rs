@@ -169,7 +169,10 @@ pub(crate) fn show_on(bus: Bus, demo: &Demo, output: &mut dyn Write) -> Result<(
             .map_err(|reason| Problem::Picture(path.clone(), reason))?;
         writeln!(output, "Picture: {}", path.display())?;
     }
-    writeln!(output, "{NEXT}")?;
+    match (demo.product, &demo.axis) {
+        (None, Some(axis)) => writeln!(output, "{}", next_on(axis.name))?,
+        _ => writeln!(output, "{NEXT}")?,
+    }
     output.flush()?;
     Ok(())
 }
@@ -210,6 +213,19 @@ What to try next:
   cargo run -- serve --slcan 127.0.0.1:2402 --node-id 4          this drive for your own master (python-canopen: see README.md)
   cargo xtask qemu --slcan 127.0.0.1:2402                        the firmware image itself, in an emulator
   cargo xtask test                                               every test";
+
+/// The same for a drive on a ready axis.
+fn next_on(axis: &str) -> String {
+    format!(
+        "
+What to try next:
+  cargo run -- demo --panel --axis {axis}          you move it, in the browser
+  cargo run -- serve --axis {axis} --node-id 4 --slcan 127.0.0.1:2402
+                                                        this drive for your own master (python-canopen: see README.md)
+  cargo axis402 tune 4 --slcan 127.0.0.1:2402           that one measures its motor
+  docs/servo.md                                         all that it can do"
+    )
+}
 
 #[cfg(test)]
 mod tests;

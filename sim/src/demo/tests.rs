@@ -104,6 +104,22 @@ fn every_axis_goes_there_and_back_and_gives_its_torque() {
     }
 }
 
+#[test]
+fn what_to_try_next_is_on_the_same_axis() {
+    let demo = Demo {
+        node_id: NODE_ID,
+        product: None,
+        axis: ServoAxisData::named("nema17").map(ServoAxisData::at_work),
+        plot: None,
+    };
+    let mut output = Vec::new();
+    show(&demo, &mut output).unwrap();
+    let told = String::from_utf8(output).unwrap();
+    for command in ["demo --panel --axis nema17 ", "serve --axis nema17 "] {
+        assert!(told.contains(command), "{command}is missing in\n{told}");
+    }
+}
+
 /// What is said of a demonstration on a bus with this interference.
 fn stopped(interferer: impl FnMut(&Logged) -> Interference + 'static) -> Problem {
     let mut bus = Bus::new(BitRate::Kbit1000);
