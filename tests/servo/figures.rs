@@ -115,19 +115,24 @@ fn m45_set_points_in_each_period_are_followed_within_two_counts() {
         ("sine of 10 Hz", sine as fn(f64) -> f64),
         ("quintic", quintic),
     ] {
-        for millis in [1_u8, 2, 4] {
+        for (cubic, millis) in [0, -1]
+            .into_iter()
+            .flat_map(|cubic| [(cubic, 1_u8), (cubic, 2), (cubic, 4)])
+        {
             let mut drive = ServoBench::on_changed("servo_100w", ideal);
             drive.map_pdo(0x1401, &[0x607A_0020], 1);
             drive.write_u8(0x60C2, 1, millis);
+            drive.write_i16(0x60C0, 0, cubic);
             for index in [0x6083, 0x6084, 0x6085, 0x60C5, 0x60C6] {
                 drive.write_u32(index, 0, 100_000_000);
             }
             let mut drive = enable(drive, 8);
             let seconds = f64::from(millis) * 1e-3;
             let mut seen = Vec::new();
-            let mut follows = 0;
-            for step in 0..(0.5 / seconds) as i32 {
-                let time = f64::from(step - 20) * seconds;
+            // The clock of the drive comes to that of SYNC first.
+            let settled = (0.3 / seconds) as i32;
+            for step in 0..2 * settled {
+                let time = f64::from(step - settled) * seconds;
                 let target = (motion(time.max(0.0)) * COUNTS).round() as i32;
                 period(
                     &mut drive,
@@ -135,26 +140,21 @@ fn m45_set_points_in_each_period_are_followed_within_two_counts() {
                     &bytes(&target.to_le_bytes()),
                 );
                 seen.push((time + seconds, drive.plant().angle() / TAU * COUNTS - 0.5));
-                follows = follows.max(drive.axis().actuals().following_error.abs());
             }
             let away = |delay: f64| {
                 seen.iter().fold(0.0_f64, |most, (time, at)| {
                     most.max((at - motion((time - delay).max(0.0)) * COUNTS).abs())
                 })
             };
-            let (worst, delay) = (0..10_000)
+            let (worst, delay) = (0..20_000_i32)
                 .map(|micros| (away(f64::from(micros) * 1e-6), micros))
                 .min_by(|one, other| one.0.total_cmp(&other.0))
                 .unwrap();
-            // The set-point of a SYNC is where the rotor is one period later, and no sooner than 2 ms.
-            let delay = f64::from(delay) * 1e-6 - seconds;
-            println!(
-                "{name}, each {millis} ms: {worst:.1} counts away, {:.2} ms later",
-                delay * 1e3
-            );
-            assert!((delay - seconds.max(2e-3)).abs() < 50e-6, "{delay}");
-            assert!(worst < 3.1, "{worst}");
-            assert!(follows <= 5, "60F4h is {follows}");
+            println!("{name}, 60C0h = {cubic}, each {millis} ms: {worst:.1} counts away");
+            assert!(worst <= 2.0, "{worst}");
+            let periods = (if millis == 1 { 3 } else { 2 }) - i32::from(cubic);
+            let due = periods * i32::from(millis) * 1_000;
+            assert!((delay - due).abs() < 25, "{delay} µs, not {due}");
         }
     }
 }
