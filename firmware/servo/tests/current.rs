@@ -83,6 +83,40 @@ fn a_step_is_there_in_six_periods_with_a_motor_that_is_off_by_30_percent() {
     );
 }
 
+/// The model of the loop knows of no delay of its sensors. One of up to a third of a period makes a step go beyond, by more the quicker the loop is; it settles all the same.
+#[test]
+fn a_step_with_late_and_noisy_sensors_settles() {
+    for (name, data) in axes::ALL {
+        let (rated, peak) = currents(name);
+        // In steps of the plant of 5 µs, the share of 60F6h, and the most beyond.
+        for (delay, share, beyond) in [
+            (0, 0.93, 0.05),
+            (1, 0.93, 0.15),
+            (3, 0.93, 0.6),
+            (3, 0.3, 0.05),
+        ] {
+            let mut late = held(&data);
+            late.sensors.current_delay = delay;
+            late.sensors.current_noise = 0.002 * f64::from(peak);
+            let known = motor(&data, rated, peak);
+            let config = CurrentConfig {
+                share,
+                ..CurrentConfig::quick(&known, PERIOD, 2.0 * peak, BUS)
+            };
+            let mut rig = Rig::new(Plant::new(late, 1), known, config);
+            rig.is_told = true;
+            rig.periods(20, q(0.0));
+            let step = 0.15 * f64::from(peak);
+            for period in 1..=200 {
+                rig.period(q(step as f32));
+                let off = rig.plant.current()[1] / step - 1.0;
+                assert!(off < beyond, "{name}, {delay}: {off}");
+                assert!(period < 20 || off.abs() < 0.05, "{name}, {delay}: {off}");
+            }
+        }
+    }
+}
+
 /// Torque is that of the current, within 1 %, with ideal sensors, at rest and at speed, under the loop's own angle.
 #[test]
 fn the_torque_is_that_of_the_current() {
