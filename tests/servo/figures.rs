@@ -65,7 +65,7 @@ fn m45_a_torque_is_within_a_hundredth_of_its_target_and_its_ripple_is_told() {
                 drive.write_u32(0x6087, 0, 100_000);
                 let mut drive = enable(drive, mode);
                 for target in [100_i16, 500, 1_000, -700] {
-                    for _ in 0..100 {
+                    for _ in 0..40 {
                         period(&mut drive, 4_000, &bytes(&target.to_le_bytes()));
                     }
                     if mode == 10 {

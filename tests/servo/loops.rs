@@ -1,8 +1,9 @@
 //! What a master sets of the loops: filters behind that of the velocity, and how fast that of the current is.
 
-use tests::drive::ServoBench;
+use servo_plant::data::Coupling;
+use tests::drive::{OPERATION_ENABLED, ServoBench};
 
-use super::{enabled, hold, torque};
+use super::{enable, enabled, hold, torque};
 
 /// The greatest 6074h while a sine of so many Hz and half the rated torque is added.
 fn amplitude(drive: &mut ServoBench, hertz: u16) -> i16 {
@@ -110,4 +111,50 @@ fn m45_the_share_of_the_current_loop_is_how_fast_a_torque_comes() {
         (0.5..1.6).contains(&gone[1]) && (0.01..0.3).contains(&gone[2]),
         "{gone:?} A"
     );
+}
+
+/// How far the rotor still swings a tenth of a second behind a load that came at once, in counts.
+fn swings(drive: &mut ServoBench) -> f64 {
+    drive.plant().load_torque = 0.1;
+    drive.run_millis(100);
+    let mut ends = (f64::INFINITY, f64::NEG_INFINITY);
+    for _ in 0..400 {
+        drive.run_micros(250);
+        let at = drive.plant().angle() / std::f64::consts::TAU * 10_000.0;
+        ends = (ends.0.min(at), ends.1.max(at));
+    }
+    drive.plant().load_torque = 0.0;
+    drive.run_millis(300);
+    ends.1 - ends.0
+}
+
+/// A load of the inertia of the rotor, on a coupling that swings with 325 Hz. Softer loops do not need the notch.
+#[test]
+fn m45_a_notch_takes_out_the_swinging_of_an_elastic_coupling() {
+    for backlash in [0.0, 0.002] {
+        let mut drive = ServoBench::on_changed("servo_100w", |data| {
+            data.plant.coupling = Some(Coupling {
+                stiffness: 10.0,
+                damping: 2e-4,
+                backlash,
+            });
+        });
+        drive.write_u32(0x6065, 0, u32::MAX);
+        let mut drive = enable(drive, 1);
+        let open = swings(&mut drive);
+        drive.write_u16(0x20C3, 3, 325);
+        drive.write_u16(0x20C3, 4, 1_000);
+        let notched = swings(&mut drive);
+        drive.write_u16(0x20C3, 3, 0);
+        for (index, sub, gain) in [(0x60F9, 1, 200), (0x60F9, 2, 70), (0x60FB, 1, 70)] {
+            drive.write_u16(index, sub, gain);
+        }
+        let soft = swings(&mut drive);
+        assert!(open > 200.0, "{open}");
+        assert!(
+            notched < 0.15 * open && soft < 0.15 * open,
+            "{open}, {notched}, {soft}"
+        );
+        drive.reaches(OPERATION_ENABLED, 1);
+    }
 }
