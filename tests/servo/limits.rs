@@ -177,3 +177,22 @@ fn m45_each_mode_that_6502h_names_is_taken_and_no_other() {
         }
     }
 }
+
+/// A torque that is held brakes before its fastest speed no harder than 60E1h allows, whatever drives the motor.
+#[test]
+fn m45_what_keeps_the_fastest_of_a_torque_stays_within_the_limit_of_its_direction() {
+    for sign in [1, -1] {
+        let mut drive = ServoBench::on_axis("servo_100w");
+        drive.write_u32(0x6080, 0, 600);
+        drive.write_u16(if sign > 0 { 0x60E1 } else { 0x60E0 }, 0, 50);
+        let mut drive = enable(drive, 4);
+        drive.plant().load_torque = -0.1 * f64::from(sign);
+        let mut most = 0;
+        for _ in 0..30 {
+            drive.run_millis(1);
+            most = most.max(-torque(&mut drive) * sign);
+        }
+        assert!(drive.read_i32(0x606C, 0) * i32::from(sign) > 100_000);
+        assert!(most <= 52, "{most} of 50");
+    }
+}

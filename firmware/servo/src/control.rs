@@ -462,10 +462,11 @@ impl Control {
     fn below_speed(&self, limits: Limits, speed: f32, velocity: f32) -> Limits {
         let max = limit(speed, 1e12) * self.count;
         let push = self.config.gains.velocity * self.motor.inertia / self.torque_constant;
-        let left = |room: f32, limit: f32| between(push * room, -limit, limit);
+        // What brakes has the limit of its own direction.
+        let left = |room: f32, brakes: f32, limit: f32| between(push * room, -brakes, limit);
         Limits {
-            positive: left(max - velocity, limits.positive),
-            negative: left(max + velocity, limits.negative),
+            positive: left(max - velocity, limits.negative, limits.positive),
+            negative: left(max + velocity, limits.positive, limits.negative),
         }
     }
 

@@ -130,8 +130,9 @@ prop_compose! {
         torque in any_number(),
         velocity_ahead in any_number(),
         max_torque in (any_number(), any_number()),
+        speed in any_number(),
     ) -> Order {
-        Order { goal, torque, velocity_ahead, max_torque, speed: f32::INFINITY }
+        Order { goal, torque, velocity_ahead, max_torque, speed }
     }
 }
 
