@@ -461,3 +461,22 @@ fn m45_each_fault_has_the_reaction_of_its_class() {
         assert_eq!(drive.plant().current(), [0.0; 2], "{code:04X}h");
     }
 }
+
+/// What I²t has spent stays spent when the data of the motor are written.
+#[test]
+fn m45_heat_is_not_forgotten_with_other_data_of_the_motor() {
+    let mut drive = enabled("servo_100w", 4);
+    drive.write_u32(0x6087, 0, 100_000);
+    hold(&mut drive);
+    drive.write_i16(0x6071, 0, 2_500);
+    // Of three seconds.
+    drive.run_millis(2_500);
+    assert_eq!(drive.statusword() & 0x80, 0);
+    drive.command(0x06);
+    drive.run_millis(20);
+    drive.write_u32(0x20C2, 1, 610_000);
+    drive.run_millis(20);
+    drive.enable();
+    drive.run_millis(600);
+    assert_ne!(drive.statusword() & 0x80, 0, "2350h");
+}

@@ -192,6 +192,11 @@ impl Control {
         self.fault = None;
     }
 
+    /// Goes on with the heat of `before`, which this one replaces: motor and stage are the same.
+    pub fn take_heat(&mut self, before: &Self) {
+        self.thermal = before.thermal;
+    }
+
     /// Positions are held as a stepper from the next period on, or by the loops.
     ///
     /// # Errors

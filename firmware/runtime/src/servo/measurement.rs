@@ -148,7 +148,8 @@ impl Loops {
             self.settings = *settings;
             let (motor, _) = settings.motor(&self.data);
             // A motor that cannot be is none: the one before stays.
-            if let Ok((current, control)) = loops(&self.data, &motor, settings) {
+            if let Ok((current, mut control)) = loops(&self.data, &motor, settings) {
+                control.take_heat(&self.control);
                 self.interrupt.current = current;
                 self.control = control;
                 self.motor = motor;
