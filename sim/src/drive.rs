@@ -107,7 +107,7 @@ impl<D: Behaves + Default, A: Moving> VirtualDrive<D, A> {
     }
 
     /// Takes the power away and gives it back at once: everything that is not stored is lost, frames under way too. The
-    /// motor stays where it is mounted but counts from 0 again, as a drive without an encoder does.
+    /// motor stays where it is mounted but counts from 0 again, as a drive without an encoder does, or from the zero of an absolute encoder.
     pub fn power_cycle(&mut self) {
         let store = self.node.store_mut().take();
         (self.node, self.control) = firmware(self.serial_number, &self.power_up, store);

@@ -1,5 +1,6 @@
 //! A drive whose motor is moved by its current: torque modes, torque limits, the other modes on a loop, and what makes it stop.
 
+mod absolute;
 mod cyclic;
 mod faults;
 mod feedback;

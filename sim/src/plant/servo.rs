@@ -3,6 +3,8 @@
 //! Time goes on in periods of the modulation. A sample in the middle of the pulses, what the converter makes of it, the current interrupt, and its widths half a period later; the
 //! control each [`CONTROL`] periods. How the loops come to know where the magnet is, [`Magnet`] says.
 
+use std::f64::consts::TAU;
+
 use motion::Ticks;
 use runtime::servo::{Feedback, Loops, ServoData, StageData, error_code};
 use servo::control::Fault;
@@ -193,9 +195,11 @@ impl ServoAxisData {
 /// The motor at work.
 #[derive(Clone, Debug)]
 pub struct ServoMotor {
+    data: ServoAxisData,
     plant: Plant,
-    magnet: Magnet,
     loops: Loops,
+    /// The count of an absolute encoder at its first word.
+    begun: i64,
     /// Amperes of a count.
     scale: f32,
     /// Microseconds up to which it has run, and the periods in them.
@@ -209,21 +213,21 @@ impl ServoMotor {
         let mut sensed = data.plant;
         sensed.sensors.counts = data.other_counts.unwrap_or(sensed.sensors.counts);
         let mut plant = Plant::new(sensed, seed).turning(data.start, 0.0);
-        let is_known = data.magnet == Magnet::Known;
-        let magnet = is_known.then(|| angle(plant.electrical_angle()));
-        let timer = match data.magnet {
-            Magnet::Absolute(_) => 0,
-            _ => plant.measure().count as u16,
-        };
-        let loops = Loops::new(&data.loops(), timer, magnet);
         Self {
+            data: *data,
+            loops: loops(data, &mut plant),
             plant,
-            magnet: data.magnet,
-            loops: loops.expect("the axes are plausible"),
+            begun: 0,
             scale: data.scale(),
             time: 0,
             periods: 0,
         }
+    }
+
+    /// The power is back: the loops know nothing, and the motor is where it was.
+    pub(super) fn power_on(&mut self) {
+        self.loops = loops(&self.data, &mut self.plant);
+        self.begun = 0;
     }
 
     /// The motor and what is around it, to load it or to break it.
@@ -246,9 +250,14 @@ impl ServoMotor {
         &self.loops
     }
 
-    /// Of the encoder, from where it began.
-    pub fn position(&self) -> i64 {
-        self.loops.position()
+    /// Counts since the power came.
+    pub fn moved(&self) -> i64 {
+        self.loops.position() - self.begun
+    }
+
+    /// The count of an absolute encoder as the power came, once it has told; 0 for others, which count from there.
+    pub fn begun(&self) -> i64 {
+        self.begun
     }
 
     /// The bus in mV.
@@ -295,8 +304,15 @@ impl ServoMotor {
             let counts = (amperes / f64::from(self.scale)).round() + f64::from(MIDDLE);
             counts.clamp(0.0, 65_535.0) as u16
         };
-        let timer = match (self.magnet, readings.index) {
-            (Magnet::Absolute(_), _) => self.loops.word(readings.word),
+        let timer = match (self.data.magnet, readings.index) {
+            (Magnet::Absolute(_), _) => {
+                let (moved, is_first) = (self.moved(), self.loops.absolute_turn() == 0);
+                let timer = self.loops.word(readings.word);
+                if is_first && self.loops.absolute_turn() != 0 {
+                    self.begun = self.loops.position() - moved;
+                }
+                timer
+            }
             (_, index) => {
                 self.loops.hall(readings.hall);
                 if let Some(index) = index {
@@ -344,9 +360,20 @@ impl ServoMotor {
     }
 }
 
+/// The loops of a drive that has just got power.
+fn loops(data: &ServoAxisData, plant: &mut Plant) -> Loops {
+    let is_known = data.magnet == Magnet::Known;
+    let magnet = is_known.then(|| angle(plant.electrical_angle()));
+    let timer = match data.magnet {
+        Magnet::Absolute(_) => 0,
+        _ => plant.measure().count as u16,
+    };
+    Loops::new(&data.loops(), timer, magnet).expect("the axes are plausible")
+}
+
 /// An angle in rad.
 fn angle(radians: f64) -> Angle {
-    let turns = (radians / std::f64::consts::TAU).rem_euclid(1.0);
+    let turns = (radians / TAU).rem_euclid(1.0);
     Angle::from_bits((turns * 4_294_967_296.0) as u32)
 }
 

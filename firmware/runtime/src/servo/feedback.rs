@@ -19,8 +19,8 @@ pub(super) enum Sensor {
 #[derive(Clone, Debug)]
 pub(super) struct Single {
     absolute: Absolute,
-    /// Where its position was at the first word.
-    first: Option<i64>,
+    /// A word has come, and the position counts from the zero of the encoder.
+    is_placed: bool,
     /// Whether the count has the angle of the word.
     is_aligned: bool,
 }
@@ -46,7 +46,7 @@ impl Sensor {
                 absolute.set_angle(offset);
                 Self::Absolute(Single {
                     absolute,
-                    first: None,
+                    is_placed: false,
                     is_aligned: false,
                 })
             }
@@ -67,15 +67,25 @@ impl Sensor {
         }
         self.align();
     }
+
+    /// It counts the other way: so does the position from its zero.
+    pub(super) fn turn(&mut self) {
+        if let Self::Absolute(single) = self {
+            single.is_placed = false;
+        }
+        self.restart();
+    }
 }
 
 impl Single {
-    /// What a timer of an encoder with so many counts in a turn would show.
+    /// From the zero of the encoder within the turn of the first word on, where a turn has so many counts.
+    fn counted(&self, counts: u32) -> i64 {
+        self.absolute.position().wrapping_mul(counts.into()) >> 32
+    }
+
+    /// What the timer of an incremental encoder in its place would show. Whole turns wrap as that does.
     fn timer(&self, counts: u32) -> u16 {
-        let position = self.absolute.position();
-        let moved = position.wrapping_sub(self.first.unwrap_or(position));
-        // Whole turns wrap as the timer does.
-        (moved.wrapping_mul(counts.into()) >> 32) as u16
+        self.counted(counts) as u16
     }
 }
 
@@ -102,6 +112,15 @@ impl Loops {
             let current = self.motor.rated_current;
             let search = Commutation::new(&self.motor, current, self.data.stage.period).ok();
             self.search = search.filter(|_| settings.is_searched);
+        }
+    }
+
+    /// Positions in a turn, once an absolute encoder has told where in it the rotor is: [`Loops::position`] counts from its zero. 0 before, and with any
+    /// other encoder, which counts from where it began.
+    pub fn absolute_turn(&self) -> u32 {
+        match &self.sensor {
+            Sensor::Absolute(single) if single.is_placed => self.motor.counts,
+            _ => 0,
         }
     }
 
@@ -132,8 +151,8 @@ impl Loops {
     }
 
     /// The word of the absolute encoder, before each [`Loops::period`] with [`Feedback::Absolute`]; `None` where the line is broken or its check fails.
-    /// Returns what takes the place of the timer in [`Counts`](servo::interrupt::Counts), from 0 at the first word on. While there is power it is a fault
-    /// that there is no word, or one further away than the rotor can have come.
+    /// Returns what takes the place of the timer in [`Counts`](servo::interrupt::Counts); the position is the angle within the turn at the first word, and
+    /// goes on from there. While there is power it is a fault that there is no word, or one further away than the rotor can have come.
     pub fn word(&mut self, word: Option<u32>) -> u16 {
         let Sensor::Absolute(single) = &mut self.sensor else {
             return 0;
@@ -155,8 +174,16 @@ impl Loops {
             single.absolute.resume(word);
             single.is_aligned = false;
         }
-        single.first.get_or_insert(single.absolute.position());
         let timer = single.timer(counts);
+        if !single.is_placed {
+            single.is_placed = true;
+            let counted = single.counted(counts);
+            let counted = match self.settings.is_turned {
+                true => counted.wrapping_neg(),
+                false => counted,
+            };
+            self.interrupt.encoder.begin_at(timer, counted);
+        }
         if !single.is_aligned && !self.settings.is_searched {
             single.is_aligned = true;
             single.absolute.set_pole_pairs(self.motor.pole_pairs);
@@ -175,3 +202,6 @@ impl Loops {
         timer
     }
 }
+
+#[cfg(test)]
+mod tests;

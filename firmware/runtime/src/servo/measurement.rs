@@ -171,7 +171,7 @@ impl Loops {
         }
         if settings.is_turned != self.settings.is_turned {
             self.interrupt.encoder.turn(settings.is_turned);
-            self.sensor.restart();
+            self.sensor.turn();
         }
         (self.settings.offset, self.settings.is_turned) = (settings.offset, settings.is_turned);
         if settings.encoder != self.settings.encoder {

@@ -129,7 +129,7 @@ impl Loops {
         &self.motor
     }
 
-    /// Of the encoder, from where it began.
+    /// Of the encoder, from where it began; from its zero, if it is absolute.
     pub fn position(&self) -> i64 {
         self.interrupt.encoder.position()
     }

@@ -44,7 +44,7 @@ impl Port {
         self
     }
 
-    /// The position of the encoder, in counts from where it began.
+    /// The position of the encoder, in counts from where it began; from its zero, if it is absolute.
     pub fn position(&self) -> i64 {
         self.link.status().report.counts
     }
