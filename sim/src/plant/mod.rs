@@ -22,7 +22,7 @@ pub use contact::{Sensed, Switch};
 pub use counter::SecondCounter;
 pub use motor::{Heat, Load, MotorData, SupplyChange, SupplyData};
 pub use pulses::{PulsePlayer, Pulses};
-pub use servo::{AXES, Magnet, ServoAxisData, ServoMotor};
+pub use servo::{AXES, Magnet, ServoAxisData, ServoMotor, eccentricity_table};
 pub use track::{Index, SwitchStates, Track, WIRES};
 
 use std::f64::consts::TAU;

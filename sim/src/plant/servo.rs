@@ -371,6 +371,18 @@ fn loops(data: &ServoAxisData, plant: &mut Plant) -> Loops {
     Loops::new(&data.loops(), timer, magnet).expect("the axes are plausible")
 }
 
+/// The table that takes out what a magnet off its centre shows: so much too much, in rad, at the sine of its angle.
+///
+/// It is one for the rest of the program, as a drive has it in its flash.
+pub fn eccentricity_table(peak: f64) -> &'static [i32; ENTRIES] {
+    let table = std::array::from_fn(|entry| {
+        let shown = entry as f64 / ENTRIES as f64 * TAU;
+        let turned = (0..60).fold(shown, |angle, _| shown - peak * f64::sin(angle));
+        ((shown - turned) / TAU * 4_294_967_296.0) as i32
+    });
+    Box::leak(Box::new(table))
+}
+
 /// An angle in rad.
 fn angle(radians: f64) -> Angle {
     let turns = (radians / TAU).rem_euclid(1.0);
