@@ -101,12 +101,11 @@ impl Turning {
         let span = self.slow * if turn > SHORTEST { turn } else { SHORTEST };
         self.time += setup.period;
         let part = limit(self.time / span, 1.0);
-        let turned = self.from + distance * part * part * (3.0 - 2.0 * part);
-        let speed = if part < 1.0 {
-            6.0 * part * (1.0 - part) * distance / span * core::f32::consts::TAU
-        } else {
-            0.0
-        };
+        // It begins and ends without a jerk in the acceleration, which would let the rotor swing.
+        let eased = part * part * part * (10.0 + part * (6.0 * part - 15.0));
+        let turned = self.from + distance * eased;
+        let rise = part * (1.0 - part);
+        let speed = 30.0 * rise * rise * distance / span * core::f32::consts::TAU;
         if self.looks_at(position.wrapping_sub(self.begin), span) {
             let seen = self.sum / self.count;
             if self.end_leg(seen, setup, measured)? {
@@ -163,21 +162,13 @@ impl Turning {
                     return Err(Failure::NotFollowed);
                 }
                 let pole_pairs = counts / moved;
-                let turns = pole_pairs / POLE_PAIRS_OF_TURN;
+                // Half a pole pair more, as the twenty of a motor may look like a little less.
+                let turns = (pole_pairs + 0.5) / POLE_PAIRS_OF_TURN;
                 self.turns = limit((turns as u16 + 1).into(), 64.0);
                 self.slow = between(root(POLE_PAIRS_OF_TURN / pole_pairs), 1.0, SLOWEST);
                 self.turns
             }
             3 => {
-                let pole_pairs = counts * self.turns / (far - start).abs();
-                let whole = pole_pairs + 0.5;
-                if !is_within(whole, 1.0, 501.0) {
-                    return Err(Failure::PolePairs);
-                }
-                measured.pole_pairs = whole as u16;
-                if (pole_pairs - f32::from(measured.pole_pairs)).abs() > WHOLE {
-                    return Err(Failure::PolePairs);
-                }
                 self.is_reversed = far < start;
                 self.turns + 0.25
             }
@@ -188,6 +179,16 @@ impl Turning {
                 let share = (back - end) / (far - start);
                 if !is_within(share, 0.8, 1.2) {
                     return Err(Failure::NotFollowed);
+                }
+                // On and back, as where it comes to rest is not the same each time.
+                let pole_pairs = 2.0 * counts * self.turns / (far - start + back - end).abs();
+                let whole = pole_pairs + 0.5;
+                if !is_within(whole, 1.0, 501.0) {
+                    return Err(Failure::PolePairs);
+                }
+                measured.pole_pairs = whole as u16;
+                if (pole_pairs - f32::from(measured.pole_pairs)).abs() > WHOLE {
+                    return Err(Failure::PolePairs);
                 }
                 return Ok(true);
             }
