@@ -256,11 +256,14 @@ fn mistakes(sample: &Sample, plant: &Plant, begin: i64, found: &Measured) -> Vec
     wrong
 }
 
-/// Measures random motors of these seeds; tells of each that is not within its bounds.
 fn measure_random(seeds: impl IntoIterator<Item = u64>) {
+    measure_all(seeds.into_iter().map(|seed| (seed, random(seed))));
+}
+
+/// Measures these motors; tells of each that is not within its bounds.
+fn measure_all(samples: impl Iterator<Item = (u64, Sample)>) {
     let mut wrong = Vec::new();
-    for seed in seeds {
-        let sample = random(seed);
+    for (seed, sample) in samples {
         let bad = measure(&sample, seed);
         if !bad.is_empty() {
             let pole_pairs = sample.data.motor.pole_pairs;
@@ -311,12 +314,52 @@ fn random_motors_are_measured_2_of_2() {
     measure_random(half(1));
 }
 
+impl Sample {
+    fn rated_torque(&self) -> f64 {
+        self.data.motor.torque_constant() * self.rated
+    }
+
+    /// The rated current gives it this acceleration in rad/s².
+    fn accelerated_by(mut self, acceleration: f64) -> Self {
+        let inertia = self.data.motor.inertia + self.data.load.inertia;
+        let by = self.rated_torque() / (acceleration * inertia);
+        self.data.motor.inertia *= by;
+        self.data.load.inertia *= by;
+        self
+    }
+
+    /// At one of the edges of what can be measured.
+    fn at_edge(mut self, which: u64) -> Self {
+        let torque = self.rated_torque();
+        let motor = &mut self.data.motor;
+        match which % 7 {
+            0 => self.data.sensors.counts = 2_000,
+            1 => self.data.sensors.counts = 65_536,
+            2 => motor.coulomb_friction = 0.12 * torque,
+            3 if motor.phases == Phases::Two => motor.detent = 0.05 * torque,
+            3 => motor.detent = 0.015 * torque,
+            4 => motor.inductance_q = motor.inductance_d + 0.3 * motor.flux / self.rated,
+            5 => return self.accelerated_by(1_000.0),
+            _ => return self.accelerated_by(40_000.0),
+        }
+        self
+    }
+}
+
+#[test]
+fn motors_at_the_edges_are_measured() {
+    let half = half(0);
+    let count = (half.end - half.start).div_ceil(4);
+    measure_all((half.start..half.start + count).map(|seed| (seed, random(seed).at_edge(seed))));
+}
+
 #[test]
 fn motors_that_once_failed_are_measured() {
-    measure_random([
-        // 20 pole pairs that swing at 30 Hz: the field went one turn in place of two, too fast for them, and they came to rest beyond it.
-        229,
-    ]);
+    // 20 pole pairs that swing at 30 Hz: the field went one turn in place of two, too fast for them, and they came to rest beyond it.
+    measure_random([229]);
+    // Rotors without a load: fast enough before current and observer had settled, so there was no flux.
+    let light = |seed| (seed, random(seed).accelerated_by(100_000.0));
+    measure_all([3, 18, 53].map(light).into_iter());
 }
 
 /// The measurement of the 100 W servo, with something that happens.
@@ -341,6 +384,20 @@ fn what_cannot_be_measured_is_told() {
         disturbed(|time, plant| plant.load_brake = if time > 1.9 { 20.0 } else { 0.0 });
     assert_eq!(found, Err(Failure::Held));
     assert!(way.current < 4.0);
+    // A rotor of one pole pair that is too heavy for the field.
+    let heavy = random(10).accelerated_by(500.0);
+    let mut plant = Plant::new(heavy.data, 1).turning(heavy.angle, 0.0);
+    let setup = setup(&heavy.data, heavy.rated, heavy.rated);
+    let (found, way) = tune(&mut plant, setup, heavy.is_reversed, |_, _| {});
+    assert_eq!(found, Err(Failure::TooFar));
+    assert!(way.turns < 1.6, "{way:?}");
+    // An encoder of eight counts in an electrical turn.
+    let mut data = axes::NEMA17;
+    data.sensors.counts = 400;
+    let mut plant = Plant::new(data, 1).turning(0.3, 0.0);
+    let setup = self::setup(&data, 1.7, 1.7);
+    let (found, _) = tune(&mut plant, setup, false, |_, _| {});
+    assert_eq!(found, Err(Failure::PolePairs));
     let (found, _) = disturbed(|time, plant| plant.is_fed = time < 0.5);
     assert_eq!(found, Err(Failure::Tripped(Trip::UnderVoltage)));
 }

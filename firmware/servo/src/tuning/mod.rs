@@ -105,7 +105,7 @@ pub enum Failure {
     Winding,
     /// The encoder does not see that the field turns the rotor.
     NotFollowed,
-    /// The travel of the encoder is no whole number of pole pairs.
+    /// The travel of the encoder is no whole number of pole pairs, or a pole pair has fewer than 20 counts.
     PolePairs,
     /// The current does not move the rotor.
     Held,

@@ -14,7 +14,7 @@ use super::{Failure, Measured, Next, Seen, Setup};
 use crate::current_loop::Sample;
 use crate::feedback::{Incremental, Observer};
 use crate::motor::Implausible;
-use crate::number::is_within;
+use crate::number::{between, is_within};
 use crate::transform::Rotor;
 use crate::{Angle, CurrentLoop, Motor};
 
@@ -22,8 +22,9 @@ use crate::{Angle, CurrentLoop, Motor};
 const FIRST: f32 = 0.05;
 const GROWTH: f32 = 1.3;
 
-/// Once it moves, the strokes are that much stronger.
+/// Once it moves, the strokes are that much stronger, but not so strong that a light rotor is fast enough within so many periods.
 const STRONGER: f32 = 2.5;
+const PUSH: f32 = 70.0;
 
 /// A rotor that has not moved by a part of a turn in this time is held, in s; a stroke that takes longer than this is too weak.
 const HELD: f32 = 0.025;
@@ -282,7 +283,12 @@ impl Strokes {
             self.done += 1;
         } else {
             self.counts = true;
-            self.level = least(self.level * STRONGER, setup.current);
+            // (level − friction) · push = (level + friction) · brake: what the rotor has of either.
+            let push = self.turned.0.time;
+            let brake = self.stood.time - push;
+            let longer = 2.0 * push * brake / (PUSH * setup.period);
+            let stronger = between((push - brake + longer) / (push + brake), 1.0, STRONGER);
+            self.level = least(self.level * stronger, setup.current);
         }
         // It stood in the middle between coming to its furthest point and leaving it.
         let since = self.sums.time - 0.5 * (self.reached + self.left);

@@ -28,6 +28,12 @@ const SLOWEST: f32 = 3.2;
 /// The field goes on for an electrical turn for each so many pole pairs: at most a tenth of a turn of the motor, but a whole electrical one.
 const POLE_PAIRS_OF_TURN: f32 = 10.0;
 
+/// The rotor is never so far from where it began, in turns of the motor.
+const FURTHEST: f32 = 1.5;
+
+/// Counts that an electrical turn has at least: with less of them the current is not where the magnet is.
+const COUNTS: f32 = 20.0;
+
 /// How far the way may be from whole pole pairs.
 const WHOLE: f32 = 0.3;
 
@@ -106,7 +112,12 @@ impl Turning {
         let turned = self.from + distance * eased;
         let rise = part * (1.0 - part);
         let speed = 30.0 * rise * rise * distance / span * core::f32::consts::TAU;
-        if self.looks_at(position.wrapping_sub(self.begin), span) {
+        let moved = position.wrapping_sub(self.begin);
+        // A field that a heavy rotor has lost may throw it on.
+        if moved.unsigned_abs() as f32 > FURTHEST * setup.counts as f32 {
+            return Err(Failure::TooFar);
+        }
+        if self.looks_at(moved, span) {
             let seen = self.sum / self.count;
             if self.end_leg(seen, setup, measured)? {
                 self.place();
@@ -187,7 +198,8 @@ impl Turning {
                     return Err(Failure::PolePairs);
                 }
                 measured.pole_pairs = whole as u16;
-                if (pole_pairs - f32::from(measured.pole_pairs)).abs() > WHOLE {
+                let whole = f32::from(measured.pole_pairs);
+                if (pole_pairs - whole).abs() > WHOLE || counts < COUNTS * whole {
                     return Err(Failure::PolePairs);
                 }
                 return Ok(true);
