@@ -378,10 +378,14 @@ fn reason(failure: u32, fault: u32) -> String {
     let what = match failure {
         1 => return format!("the power stage went off, error {fault:04X}h"),
         2 => "no current flows, or the winding is none",
-        3 => "the encoder does not see that the rotor turns: is it held, is the encoder connected?",
-        4 => "the way of the encoder is no whole number of pole pairs: is its resolution right?",
-        5 => "the current does not move the rotor",
-        6 => "the rotor has gone further than it may",
+        3 => {
+            "the encoder does not see that the rotor turns: is it held or too heavy, is the encoder connected?"
+        }
+        4 => {
+            "the way of the encoder is no whole number of pole pairs, or fewer than 20 counts for each: is its resolution right?"
+        }
+        5 => "the current does not move the rotor: is it held, or too heavy?",
+        6 => "the rotor has gone further than it may: does something drive it, or is it too heavy?",
         7 => "somebody else has ended the measurement",
         8 => "the drive cannot do that now",
         other => return format!("the measurement failed with {other}"),
