@@ -22,10 +22,11 @@ const LED: f32 = 60.0;
 const MAX: f32 = 1.05;
 const HELD_BACK: f32 = 5.0;
 
-/// How long it settles at least, how long the rotor must stand while it is looked at, and how long that is waited for, in s.
+/// How long it settles at least, how long the rotor must stand while it is looked at, how long that is waited for, and how long one that swings still is looked at, in s.
 const SETTLE: f32 = 0.08;
 const LOOK: f32 = 0.04;
 const WAIT: f32 = 1.0;
+const SWINGS: f32 = 0.5;
 
 /// How near the current must be, as a share of it.
 const NEAR: f32 = 0.05;
@@ -258,7 +259,8 @@ impl Winding {
             self.sums.1 += seen.d;
             self.sums.2 += 1.0;
         }
-        let is_over = self.time - since > LOOK && self.sums.2 > 0.0;
+        let look = if waits { LOOK } else { SWINGS };
+        let is_over = self.time - since > look && self.sums.2 > 0.0;
         let step = self.gain * setup.period;
         let d = self.voltage.d + step * (wanted - seen.d);
         let q = self.voltage.q - step * seen.q;
