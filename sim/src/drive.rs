@@ -219,6 +219,7 @@ impl<D: Behaves + Default, A: Moving> VirtualDrive<D, A> {
         let Some(servo) = self.plant.servo_mut() else {
             return;
         };
+        let rated = servo.rated();
         let loops = servo.loops_mut();
         let (mut settings, mut request) = self
             .servo_objects
@@ -234,6 +235,7 @@ impl<D: Behaves + Default, A: Moving> VirtualDrive<D, A> {
         self.servo_objects
             .show(self.node.dictionary_mut(), loops.found());
         ServoObjects::show_lead(self.node.dictionary_mut(), loops.lead());
+        ServoObjects::show_rated(self.node.dictionary_mut(), rated);
     }
 
     /// Lets the node do what there is to do. Returns when it wants to run again.

@@ -115,7 +115,7 @@ class Kind:
             bench.chip.run(20_000_000, lambda: bench.frames)
             bench.milliseconds(60)
             drive = commanded(bench)
-            drive[0x6075], drive[0x6076] = self.rated
+            assert (drive[0x6075], drive[0x6076]) == self.rated
             return bench
 
         return once(self.image, boot)

@@ -213,7 +213,7 @@ impl Plant {
         );
         self.now = now;
         self.supply_voltage = servo.millivolts();
-        self.pulses.tell(servo.report(origin));
+        self.pulses.tell(servo.rated(), servo.report(origin));
         let rotor = start + servo.moved();
         let counted = servo.begun() - self.origin;
         let time = nanoseconds(now);

@@ -6,7 +6,7 @@
 use std::f64::consts::TAU;
 
 use motion::Ticks;
-use runtime::servo::{Feedback, Loops, ServoData, StageData, error_code};
+use runtime::servo::{Feedback, Loops, Port, ServoData, StageData, error_code};
 use servo::control::Fault;
 use servo::feedback::absolute::{ENTRIES, NO_ERROR};
 use servo::interrupt::Counts;
@@ -17,7 +17,7 @@ use servo_plant::{Gates, Plant, axes};
 
 use super::STEP_CLOCK_HZ;
 use crate::plant::pulses::Ordered;
-use cia402::ServoReport;
+use cia402::{RatedMotor, ServoReport};
 
 /// A period of the modulation, in microseconds.
 const PERIOD: u64 = 50;
@@ -197,6 +197,7 @@ impl ServoAxisData {
 pub struct ServoMotor {
     data: ServoAxisData,
     plant: Plant,
+    rated: RatedMotor,
     loops: Loops,
     /// The count of an absolute encoder at its first word.
     begun: i64,
@@ -218,6 +219,7 @@ impl ServoMotor {
             loops: loops(data, &mut plant),
             plant,
             begun: 0,
+            rated: Port::rated(&data.motor()),
             scale: data.scale(),
             time: 0,
             periods: 0,
@@ -337,6 +339,11 @@ impl ServoMotor {
             _ => Gates::Off,
         };
         self.plant.run(HALF);
+    }
+
+    /// The motor as the axis knows it.
+    pub fn rated(&self) -> RatedMotor {
+        self.rated
     }
 
     /// What has become of the orders, in counts from `origin` on.

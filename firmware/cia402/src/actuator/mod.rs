@@ -19,7 +19,7 @@ use motion::{Demand, Direction, FollowError, Limits, Position, Ramps, SignedSpee
 use crate::configuration::Configuration;
 use crate::cyclic::MicrosQ16;
 
-pub use servo_axis::{ServoAxis, ServoGoal, ServoOrder, ServoPort, ServoReport};
+pub use servo_axis::{RatedMotor, ServoAxis, ServoGoal, ServoOrder, ServoPort, ServoReport};
 pub use step_axis::{Emitter, EmitterLock, StepAxis};
 
 pub use cia402_parameters::TORQUE_MODES;

@@ -92,8 +92,47 @@ impl ServoReport {
     };
 }
 
+/// The motor that a board is built for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RatedMotor {
+    /// In mA.
+    pub current: u32,
+    /// The torque of that current, in mN·m.
+    pub torque: u32,
+    /// With what is fixed to it, in g·mm².
+    pub inertia: u32,
+    /// Positions in a turn.
+    pub counts: u32,
+}
+
+impl RatedMotor {
+    /// Nothing is known of it.
+    pub const NONE: Self = Self {
+        current: 0,
+        torque: 0,
+        inertia: 0,
+        counts: 0,
+    };
+
+    /// This, with the other's numbers where it has none.
+    const fn or(self, other: Self) -> Self {
+        const fn number(own: u32, other: u32) -> u32 {
+            if own == 0 { other } else { own }
+        }
+        Self {
+            current: number(self.current, other.current),
+            torque: number(self.torque, other.torque),
+            inertia: number(self.inertia, other.inertia),
+            counts: number(self.counts, other.counts),
+        }
+    }
+}
+
 /// The port of a servo axis. Records are played for their time alone.
 pub trait ServoPort: PulseSink {
+    /// What is at the port.
+    fn motor(&self) -> RatedMotor;
+
     /// What is to be done from now on.
     fn order(&mut self, order: &ServoOrder);
 
@@ -121,9 +160,9 @@ pub struct ServoAxis<L = Emitter> {
     limits: TorqueLimits,
     ahead: i16,
     velocity_ahead: SignedSpeed,
-    /// 6075h in mA and 6076h in mN·m.
-    rated_current: u32,
-    rated: u32,
+    /// That of the board, and what is set up instead: 6075h, 6076h and 20C2h:5 where they are not 0.
+    own: RatedMotor,
+    motor: RatedMotor,
     /// Last, as it is large: so it is made where it stays.
     path: StepAxis<L>,
 }
@@ -143,8 +182,8 @@ impl<L: EmitterLock> ServoAxis<L> {
             limits: TorqueLimits::NONE,
             ahead: 0,
             velocity_ahead: SignedSpeed::ZERO,
-            rated_current: 0,
-            rated: 0,
+            own: RatedMotor::NONE,
+            motor: RatedMotor::NONE,
             path: StepAxis::new(config, emitter),
         }
     }
@@ -208,13 +247,14 @@ impl<L: EmitterLock> ServoAxis<L> {
             }
         };
         let torque = i32::from(self.held.unwrap_or(self.ahead));
-        let torque = torque.saturating_mul(i32::try_from(self.rated).unwrap_or(i32::MAX));
+        let rated = self.rated();
+        let torque = torque.saturating_mul(i32::try_from(rated.torque).unwrap_or(i32::MAX));
         let max = |limit: u16, rated: u32| match limit {
             u16::MAX => u32::MAX,
             _ => u32::from(limit).saturating_mul(rated),
         };
-        let positive = max(self.limits.positive, self.rated);
-        let negative = max(self.limits.negative, self.rated);
+        let positive = max(self.limits.positive, rated.torque);
+        let negative = max(self.limits.negative, rated.torque);
         port.order(&ServoOrder {
             goal,
             torque: self.signed(torque),
@@ -224,7 +264,7 @@ impl<L: EmitterLock> ServoAxis<L> {
             } else {
                 (positive, negative)
             },
-            current: match max(self.limits.current, self.rated_current) {
+            current: match max(self.limits.current, rated.current) {
                 u32::MAX => u32::MAX,
                 limit => limit / 1_000,
             },
@@ -238,6 +278,11 @@ impl<L: EmitterLock> ServoAxis<L> {
         } else {
             value
         }
+    }
+
+    /// What thousandths are of.
+    const fn rated(&self) -> RatedMotor {
+        self.motor.or(self.own)
     }
 
     /// In thousandths of what is rated.
@@ -266,8 +311,13 @@ impl TorqueLimits {
 
 impl<L: EmitterLock, P: ServoPort> AtPort<P> for ServoAxis<L> {
     fn set_up(&mut self, configuration: &Configuration) {
-        self.rated = configuration.torque.rated;
-        self.rated_current = configuration.torque.rated_current;
+        let torque = &configuration.torque;
+        self.motor = RatedMotor {
+            current: torque.rated_current,
+            torque: torque.rated,
+            inertia: torque.inertia,
+            counts: 0,
+        };
     }
 
     fn set_shift(&mut self, shift: i64) {
@@ -287,11 +337,13 @@ impl<L: EmitterLock, P: ServoPort> AtPort<P> for ServoAxis<L> {
             position: unwrapped(counts.wrapping_add(self.shift), before),
             velocity: self.turned(report.velocity),
         };
+        self.own = port.motor();
+        let rated = self.rated();
         self.torque = Torque {
-            demand: self.share(report.demand, self.rated),
-            actual: self.share(report.torque, self.rated),
+            demand: self.share(report.demand, rated.torque),
+            actual: self.share(report.torque, rated.torque),
             // mA become µA, as thousandths of mA are.
-            current: self.share(report.current.saturating_mul(1_000), self.rated_current),
+            current: self.share(report.current.saturating_mul(1_000), rated.current),
             is_limited: report.is_limited,
         };
         self.let_go(report.wants_free);

@@ -109,9 +109,12 @@ pub fn start(
     let objects = LinkedServoObjects {
         link: &LINK,
         objects: servo::ServoObjects::default(),
+        motor: Port::rated(&DATA.motor),
     };
     let port = Port::new(&LINK, chip::ticks(), timer);
-    let port = port.with_counts(own::DATA.motor.counts, DATA.motor.counts);
+    let port = port
+        .with_counts(own::DATA.motor.counts, DATA.motor.counts)
+        .with_motor(&DATA.motor);
     (Orders(port), objects)
 }
 
