@@ -9,6 +9,7 @@ mod limits;
 mod loops;
 mod modes;
 mod objects;
+mod software_limit;
 mod stepper;
 mod torque;
 mod tuning;

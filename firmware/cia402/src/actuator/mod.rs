@@ -138,6 +138,12 @@ pub trait Actuator: 'static {
     /// The fastest that the motor can go.
     fn max_velocity(&self) -> Speed;
 
+    /// The hardest ramp, in steps/s², on which the motor can slow down from its present velocity within the limits of its torque, as far as
+    /// that is known: what drives it aside.
+    fn max_deceleration(&self) -> u32 {
+        u32::MAX
+    }
+
     /// The window of the mean that the motor follows (6086h = 2), in microseconds, rounded up; 0 if it follows none.
     fn window(&self) -> u64;
 

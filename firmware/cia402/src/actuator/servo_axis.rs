@@ -299,6 +299,33 @@ impl<L: EmitterLock> ServoAxis<L> {
     }
 }
 
+impl<L: EmitterLock> ServoAxis<L> {
+    /// The deceleration, in counts/s², of what the limits leave of the torque against the motion.
+    fn braking(&self) -> u32 {
+        let (rated, own) = (self.rated(), self.own);
+        let limit = if self.committed_velocity().bits() < 0 {
+            self.limits.positive
+        } else {
+            self.limits.negative
+        };
+        // In µN·m; of the current in µA.
+        let by_torque = u64::from(limit).saturating_mul(rated.torque.into());
+        let by_current = u64::from(self.limits.current)
+            .saturating_mul(rated.current.into())
+            .saturating_mul(own.torque.into())
+            .checked_div(own.current.into());
+        let most = by_torque.min(by_current.unwrap_or(u64::MAX));
+        // µN·m / g·mm² are 1000 rad/s², and 1000 / 2π is 159.155.
+        let braking = most
+            .saturating_mul(own.counts.into())
+            .saturating_mul(159)
+            .checked_div(rated.inertia.into());
+        braking.map_or(u32::MAX, |braking| {
+            u32::try_from(braking).unwrap_or(u32::MAX)
+        })
+    }
+}
+
 impl TorqueLimits {
     /// The motor's own.
     pub const NONE: Self = Self {
@@ -388,6 +415,7 @@ impl<L: EmitterLock> Actuator for ServoAxis<L> {
     fn destination(&self) -> i64 { if self.held.is_some() { self.rotor.position } else { self.path.destination() } }
     fn is_ending(&self) -> bool { self.held.is_none() && self.path.is_ending() }
     fn max_velocity(&self) -> Speed { self.path.max_velocity() }
+    fn max_deceleration(&self) -> u32 { self.braking() }
     fn window(&self) -> u64 { if self.held.is_some() { 0 } else { self.path.window() } }
     fn is_following(&self) -> bool { self.held.is_none() && self.path.is_following() }
     fn is_running_out(&self, time: MicrosQ16) -> bool { self.held.is_none() && self.path.is_running_out(time) }
