@@ -11,6 +11,7 @@
 //! the one before, from whatever the motor does now. What has been committed already is done as it was: a demand begins at
 //! [`Actuator::committed_position`], with [`Actuator::committed_velocity`].
 
+mod rated_motor;
 mod servo_axis;
 mod step_axis;
 
@@ -19,7 +20,8 @@ use motion::{Demand, Direction, FollowError, Limits, Position, Ramps, SignedSpee
 use crate::configuration::Configuration;
 use crate::cyclic::MicrosQ16;
 
-pub use servo_axis::{RatedMotor, ServoAxis, ServoGoal, ServoOrder, ServoPort, ServoReport};
+pub use rated_motor::RatedMotor;
+pub use servo_axis::{ServoAxis, ServoGoal, ServoOrder, ServoPort, ServoReport};
 pub use step_axis::{Emitter, EmitterLock, StepAxis};
 
 pub use cia402_parameters::TORQUE_MODES;
