@@ -137,7 +137,7 @@ impl Incremental {
         let in_turn = counted.checked_rem_euclid(turn).unwrap_or(0);
         self.turns = counted.checked_div_euclid(turn).unwrap_or(0);
         self.in_turn = in_turn as u32;
-        (self.last, self.counted, self.begin, self.index) = (timer, counted, 0, None);
+        (self.last, self.begin, self.index) = (timer, 0, None);
         self.set_angle(angle);
     }
 
