@@ -131,6 +131,8 @@ pub struct Control {
     beyond: f32,
     /// What was wanted of the current last, in A.
     wanted: f32,
+    /// How fast the rotor was then, in rad/s.
+    velocity: f32,
     /// Where the rotor was then, and how fast the field of a stepper is to turn, in electrical rad/s.
     field: Option<(Angle, f32)>,
     holder: Holder,
@@ -171,6 +173,7 @@ impl Control {
             since: 0.0,
             beyond: 0.0,
             wanted: 0.0,
+            velocity: 0.0,
             field: None,
             holder: Holder::Current,
             is_limited: false,
@@ -294,6 +297,7 @@ impl Control {
             return Err(fault);
         }
         let actual = self.actual(interrupt);
+        let gained = actual.velocity - core::mem::replace(&mut self.velocity, actual.velocity);
         let (pushes, share) = (self.pushes(), self.config.derating.share(seen.temperature));
         let is_fed = !self.config.bus.is_sunk(seen.bus);
         let found = match share {
@@ -352,7 +356,7 @@ impl Control {
                 wanted
             }
             Holder::Current => {
-                let limits = self.below_speed(limits, order.speed, actual.velocity);
+                let limits = self.below_speed(limits, order.speed, (actual.velocity, gained));
                 let asked = limit(demand.current, 1e4);
                 let given = between(asked, -limits.negative, limits.positive);
                 self.is_limited = given != asked;
@@ -463,15 +467,23 @@ impl Control {
         }
     }
 
-    /// What is left of the limits before a speed, in counts/s.
-    fn below_speed(&self, limits: Limits, speed: f32, velocity: f32) -> Limits {
+    /// What is left of the limits before a speed, in counts/s, at a velocity that has changed by `gained` in a period. Below nine tenths of
+    /// the speed what is given grows: where the speed is so low that the loop would take less than the limit, a rotor that stands has all of it.
+    fn below_speed(&self, limits: Limits, speed: f32, (velocity, gained): (f32, f32)) -> Limits {
         let max = limit(speed, 1e12) * self.count;
-        let push = self.config.gains.velocity * self.motor.inertia / self.torque_constant;
+        let bandwidth = self.config.gains.velocity;
+        let push = bandwidth * self.motor.inertia / self.torque_constant;
+        let rate = 0.25 * bandwidth * self.config.period;
         // What brakes has the limit of its own direction.
-        let left = |room: f32, brakes: f32, limit: f32| between(push * room, -brakes, limit);
+        let left = |room: f32, given: f32, gained: f32, brakes: f32, limit: f32| {
+            let grown = given + push * (rate * (room - 0.1 * max) - gained);
+            between(grown.max(push * room), -brakes, limit)
+        };
+        let Limits { positive, negative } = limits;
+        let wanted = self.wanted;
         Limits {
-            positive: left(max - velocity, limits.negative, limits.positive),
-            negative: left(max + velocity, limits.positive, limits.negative),
+            positive: left(max - velocity, wanted, gained, negative, positive),
+            negative: left(max + velocity, -wanted, -gained, positive, negative),
         }
     }
 
