@@ -29,6 +29,9 @@ const WHOLE: &str = "stm32f405,sin-squared,block-transfer";
 /// The servo on the board ODrive v3.6, without logs.
 const ODRIVE: &str = "odrive36,sin-squared,block-transfer";
 
+/// The same without what the compact image leaves out.
+const ODRIVE_FOR_SIZE: &str = "odrive36";
+
 /// The stepper in closed loop on the board with two full bridges, without logs.
 const STEPPER: &str = "stepper405,sin-squared,block-transfer";
 
@@ -44,6 +47,8 @@ pub enum Image {
     Whole,
     /// The servo on the board ODrive v3.6, without logs.
     Odrive,
+    /// The same for least size, as the compact image is built.
+    OdriveForSize,
     /// The stepper in closed loop on the board with two full bridges, without logs.
     Stepper,
     /// The smallest drive that is still a good one (`eds/compact.eds`), without logs.
@@ -71,6 +76,7 @@ impl Image {
             Self::Board
             | Self::Whole
             | Self::Odrive
+            | Self::OdriveForSize
             | Self::Stepper
             | Self::Compact
             | Self::Least
@@ -84,7 +90,7 @@ impl Image {
     /// The profile of Cargo.toml.
     fn profile(self) -> &'static str {
         match self {
-            Self::Compact | Self::Least | Self::BasicDeviceForSize => COMPACT,
+            Self::Compact | Self::Least | Self::OdriveForSize | Self::BasicDeviceForSize => COMPACT,
             _ => PROFILE,
         }
     }
@@ -95,6 +101,7 @@ impl Image {
             Self::Board | Self::BasicDevice => &[],
             Self::NoPanic | Self::Whole => &["--no-default-features", "--features", WHOLE],
             Self::Odrive | Self::NoPanicServo => &["--no-default-features", "--features", ODRIVE],
+            Self::OdriveForSize => &["--no-default-features", "--features", ODRIVE_FOR_SIZE],
             Self::Stepper => &["--no-default-features", "--features", STEPPER],
             Self::Compact | Self::Least | Self::BasicDeviceForSize => {
                 &["--no-default-features", "--features", "stm32f405"]
@@ -106,7 +113,7 @@ impl Image {
     /// Its board: the folder in `firmware/app/src/board`.
     pub fn board(self) -> &'static str {
         match self {
-            Self::Odrive | Self::NoPanicServo => "odrive36",
+            Self::Odrive | Self::OdriveForSize | Self::NoPanicServo => "odrive36",
             Self::Stepper => "stepper405",
             Self::Qemu | Self::Bench => "qemu",
             _ => "stm32f405",
@@ -148,6 +155,7 @@ impl Image {
             Self::Board => "axis402-stm32f405.elf",
             Self::Whole => "axis402-without-logs.elf",
             Self::Odrive => "axis402-odrive36.elf",
+            Self::OdriveForSize => "axis402-odrive36-for-size.elf",
             Self::Stepper => "axis402-stepper405.elf",
             Self::Compact => "axis402-compact.elf",
             Self::Least => "axis402-least.elf",
