@@ -148,6 +148,14 @@ impl Rotor {
         }
     }
 
+    /// What is left of the difference to another a period later is this share.
+    pub(crate) fn fading_to(self, other: Self, share: f32) -> Self {
+        Self {
+            d: other.d + share * (self.d - other.d),
+            q: other.q + share * (self.q - other.q),
+        }
+    }
+
     /// The square of its size.
     #[inline]
     pub fn square(self) -> f32 {

@@ -5,7 +5,7 @@ use crate::interrupt::CurrentInterrupt;
 use crate::motor::{Implausible, Motor, Wiring};
 use crate::number::{between, fade, is_within, root};
 use crate::protection::{Blocked, PhaseLoss};
-use crate::transform::{Rotor, Stator};
+use crate::transform::Rotor;
 
 /// An unknown voltage above this share of the rated voltage of the winding shows that the encoder is wrong.
 const UNKNOWN: f32 = 0.35;
@@ -26,7 +26,6 @@ const NOTHING: f32 = 0.03;
 /// See the module.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Watch {
-    motor: Motor,
     period: f32,
     max_speed: f32,
     blocked: Blocked,
@@ -49,7 +48,6 @@ impl Watch {
         let least = between(0.02 * rated, 1e-3, rated);
         let (speed, time) = config.blocked;
         let watch = Self {
-            motor: *motor,
             period,
             max_speed: config.max_speed,
             blocked: Blocked::new(speed, time, period)?,
@@ -84,6 +82,7 @@ impl Watch {
     /// A period.
     pub(super) fn run(
         &mut self,
+        motor: &Motor,
         interrupt: &CurrentInterrupt,
         seen: &Seen,
         is_fed: bool,
@@ -98,15 +97,13 @@ impl Watch {
         let angle = interrupt.observer.angle().sine_cosine();
         let asked = interrupt.current.demand();
         let keeps = fade(interrupt.current.rate(), self.period);
-        self.due = Rotor {
-            d: asked.d + keeps * (self.due.d - asked.d),
-            q: asked.q + keeps * (self.due.q - asked.q),
-        };
-        let asked = self.due.beside_stator(angle);
-        let carried = current.beside_stator(angle);
-        let phases = |stator: Stator| stator.phases(self.motor.wiring);
+        self.due = self.due.fading_to(asked, keeps);
+        let unknown = interrupt.current.unknown();
+        let phases = |rotor: Rotor| rotor.beside_stator(angle).phases(motor.wiring);
+        let [asked, carried, acts] = [self.due, current, unknown].map(phases);
         let (share, time) = ADDED_UP;
-        if seen.sum.abs() <= share * self.motor.rated_current {
+        let rated = motor.rated_current;
+        if seen.sum.abs() <= share * rated {
             self.unequal = 0.0;
         } else {
             self.unequal += self.period;
@@ -114,26 +111,22 @@ impl Watch {
         if self.unequal > time {
             return Some(Fault::CurrentSensor);
         }
-        if is_fed && (self.phase_loss.run(phases(asked), phases(carried))).is_some() {
+        if is_fed && self.phase_loss.run(asked, carried).is_some() {
             return Some(Fault::PhaseLost);
         }
-        let unknown = interrupt.current.unknown();
-        let acts = unknown.beside_stator(angle);
-        if let Some(reading) =
-            self.stands_still(phases(carried), phases(asked), phases(acts), seen.bus)
-        {
-            if reading.abs() < NOTHING * self.motor.rated_current {
+        if let Some(reading) = self.stands_still(motor, carried, asked, acts, seen.bus) {
+            if reading.abs() < NOTHING * rated {
                 return Some(Fault::PhaseLost);
             }
             // Of three the sum tells, and where one is cut the others may stand still.
-            if self.motor.wiring == Wiring::TwoPhase {
+            if motor.wiring == Wiring::TwoPhase {
                 return Some(Fault::CurrentSensor);
             }
         }
         // A magnet that turns where the encoder stands drives what the model does not know.
         let unknown = unknown.square();
-        let known = self.motor.resistance * self.motor.rated_current + 0.03 * seen.bus;
-        let of_current = UNKNOWN * self.motor.resistance;
+        let known = motor.resistance * rated + 0.03 * seen.bus;
+        let of_current = UNKNOWN * motor.resistance;
         // Most of the time it is below what needs no root.
         let is_astray =
             unknown > known * known && root(unknown) > known + of_current * root(current.square());
@@ -151,21 +144,18 @@ impl Watch {
     /// The reading of a phase that stands still though much acts on it.
     fn stands_still(
         &mut self,
+        motor: &Motor,
         carried: [f32; 3],
         asked: [f32; 3],
         acts: [f32; 3],
         bus: f32,
     ) -> Option<f32> {
         let (time, within, away, share) = STILL;
-        let rated = self.motor.rated_current;
+        let rated = motor.rated_current;
         let mut found = None;
-        let phases = self
-            .still
-            .iter_mut()
-            .zip(carried)
-            .zip(asked.iter().zip(acts));
-        for (((reading, since), carried), (asked, acts)) in phases.take(self.motor.wiring.phases())
-        {
+        let phases = self.still.iter_mut().zip(carried);
+        let phases = phases.zip(asked.iter().zip(acts));
+        for (((reading, since), carried), (asked, acts)) in phases.take(motor.wiring.phases()) {
             let is_still = (carried - *reading).abs() <= within * rated;
             let is_away = (carried - asked).abs() > away * rated;
             if is_still && is_away && acts.abs() > share * bus {

@@ -4,10 +4,13 @@
 //! A phase of which much was asked, and that carried less than a fifth of it, is lost. At a standstill a phase may have nothing to carry; then nothing is said of it.
 
 use crate::motor::{Implausible, Wiring};
-use crate::number::{fade, is_within, limit_at_once};
+use crate::number::{fade, is_within, lesser};
 
 /// The share of the square, below which a phase is lost: 0.2².
 const LEAST: f32 = 0.04;
+
+/// The greatest square of a current, in A²; NaN counts as this.
+const MAX: f32 = 1e8;
 
 /// See the module.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,18 +43,19 @@ impl PhaseLoss {
 
     /// A period, in which this was asked of the phases, and this was measured, in A. Gives the phase that is lost.
     pub fn run(&mut self, asked: [f32; 3], carried: [f32; 3]) -> Option<usize> {
-        let fades = self.fades;
-        let follow = |mean: &mut [f32; 3], currents: [f32; 3]| {
-            for (mean, current) in mean.iter_mut().zip(currents) {
-                let current = limit_at_once(current, 1e4);
-                *mean += (1.0 - fades) * (current * current - *mean);
-            }
-        };
-        follow(&mut self.asked, asked);
-        follow(&mut self.carried, carried);
+        follow(&mut self.asked, asked, self.fades);
+        follow(&mut self.carried, carried, self.fades);
         let phases = self.asked.iter().zip(&self.carried);
         let mut lost = phases.take(self.wiring.phases());
         // Half the square is the mean of a sine of that size.
         lost.position(|(asked, carried)| *asked > 0.5 * self.enough && *carried < LEAST * asked)
+    }
+}
+
+#[inline(never)]
+fn follow(means: &mut [f32; 3], currents: [f32; 3], fades: f32) {
+    for (mean, current) in means.iter_mut().zip(currents) {
+        let square = lesser(current * current, MAX);
+        *mean = square + fades * (*mean - square);
     }
 }
