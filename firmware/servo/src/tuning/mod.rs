@@ -13,6 +13,7 @@
 //! [`Setup::distance`] for each stroke. A motor that lifts something is not for this: nothing holds its load between the strokes.
 
 mod chirp;
+mod line;
 mod strokes;
 mod turning;
 mod winding;
@@ -253,7 +254,9 @@ impl Tuning {
                 )
             }
             Part::Turning(turning) => turning.run(setup, seen, self.position, &mut self.measured),
-            Part::Strokes(strokes) => strokes.run(setup, seen, timer, &mut self.measured),
+            Part::Strokes(strokes) => {
+                strokes.run(setup, seen, (timer, self.position), &mut self.measured)
+            }
             Part::Over(Ok(())) => Ok(Next::Finished),
             Part::Over(Err(failure)) => Err(*failure),
         }
@@ -261,7 +264,7 @@ impl Tuning {
 
     /// The next part.
     fn go_on(&mut self, timer: u16) -> Result<(), Failure> {
-        self.part = match self.part {
+        self.part = match &self.part {
             Part::Winding(_) => {
                 let current = self.current_loop().ok_or(Failure::Winding)?;
                 Part::Turning(Turning::new(current, self.position, self.setup.wiring))
@@ -281,22 +284,25 @@ impl Tuning {
                 let now = Angle::from_turns((self.position as f32 - zero) * share);
                 let motor = self.motor().ok_or(Failure::Winding)?;
                 let current = self.current_loop().ok_or(Failure::Winding)?;
-                let strokes = Strokes::new(&self.setup, &motor, current, (now, timer));
+                let at = (now, timer, self.position);
+                let strokes = Strokes::new(&self.setup, &motor, current, at);
                 Part::Strokes(strokes.map_err(|_| Failure::Winding)?)
             }
             Part::Strokes(strokes) => {
-                let motor = self.motor().ok_or(Failure::Held)?;
-                let by_flux = motor.torque_constant() / motor.flux;
-                let loads = strokes.loads(by_flux * self.measured.flux);
-                (self.measured.inertia, self.measured.friction) = loads;
+                let Measured {
+                    pole_pairs, flux, ..
+                } = self.measured;
+                let constant = self.setup.wiring.torque_constant(pole_pairs, flux);
+                (self.measured.inertia, self.measured.friction) = strokes.loads(constant);
                 Part::Over(Ok(()))
             }
-            over @ Part::Over(_) => over,
+            Part::Over(over) => Part::Over(*over),
         };
         Ok(())
     }
 
     /// The motor as far as it is known: the least flux and one pole pair in place of what is not.
+    #[inline(never)]
     fn motor(&self) -> Option<Motor> {
         let known = Measured {
             flux: 1e-6,

@@ -6,8 +6,9 @@
 //! grows by between the two is the resistance: what the dead time takes is in both. Around the half a square wave of voltage is added, first along the magnet, then across
 //! it: the current changes by it as the inductance lets it.
 
+use super::line::Line;
 use super::{Failure, Measured, Next, Setup, along};
-use crate::number::{between, is_within, root};
+use crate::number::{between, greater, is_within, lesser, root};
 use crate::transform::{Rotor, Stator};
 use crate::{Angle, Wiring};
 
@@ -57,32 +58,6 @@ enum Stage {
     Across,
 }
 
-/// Sums of a line through what is seen: x is what the current changes by, in A/s; y the voltage for it.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Line {
-    count: f32,
-    x: f32,
-    y: f32,
-    xy: f32,
-    yy: f32,
-}
-
-impl Line {
-    fn add(&mut self, x: f32, y: f32) {
-        self.count += 1.0;
-        self.x += x;
-        self.y += y;
-        self.xy += x * y;
-        self.yy += y * y;
-    }
-
-    /// The inductance; the voltage is known better than the change, so it is what is gone by.
-    fn slope(&self) -> f32 {
-        let mean = self.y / self.count;
-        (self.yy - mean * self.y) / (self.xy - mean * self.x)
-    }
-}
-
 /// Where the field stands, in electrical turns.
 pub(super) const fn field(wiring: Wiring) -> f32 {
     match wiring {
@@ -117,6 +92,7 @@ pub(super) struct Winding {
     /// What was seen at the last period, and the two voltages before.
     last: f32,
     voltages: (f32, f32),
+    /// What the current changes by, in A/s, over the voltage for it: that is known better.
     line: Line,
 }
 
@@ -159,22 +135,22 @@ impl Winding {
             Stage::Rise => {
                 self.rise(setup, current, max)?;
             }
-            Stage::Half => {
-                if let Some(mean) = self.lead(setup, (current, position), 0.5 * setup.current, max)
-                {
-                    self.half = mean;
-                    self.enter(Stage::Whole);
-                }
-            }
-            Stage::Whole => {
-                let whole = self.lead(setup, (current, position), setup.current, max);
-                if let Some((voltage, amperes)) = whole {
-                    let resistance = (voltage - self.half.0) / (amperes - self.half.1);
-                    if !is_within(resistance, 1e-3, 1e3) {
-                        return Err(Failure::Winding);
+            Stage::Half | Stage::Whole => {
+                let is_half = self.stage == Stage::Half;
+                let share = if is_half { 0.5 } else { 1.0 };
+                let wanted = share * setup.current;
+                if let Some(mean) = self.lead(setup, (current, position), wanted, max) {
+                    if is_half {
+                        self.half = mean;
+                        self.enter(Stage::Whole);
+                    } else {
+                        let resistance = (mean.0 - self.half.0) / (mean.1 - self.half.1);
+                        if !is_within(resistance, 1e-3, 1e3) {
+                            return Err(Failure::Winding);
+                        }
+                        measured.resistance = resistance;
+                        self.enter(Stage::Back);
                     }
-                    measured.resistance = resistance;
-                    self.enter(Stage::Back);
                 }
             }
             Stage::Back => {
@@ -183,18 +159,16 @@ impl Winding {
                     self.begin_wave(Stage::Along, current.d, max);
                 }
             }
-            Stage::Along => {
-                let seen = current.d;
+            Stage::Along | Stage::Across => {
+                let is_along = self.stage == Stage::Along;
+                let seen = if is_along { current.d } else { current.q };
                 if let Some(inductance) = self.shake(setup, seen, max, measured.resistance)? {
+                    if !is_along {
+                        measured.inductance_q = inductance;
+                        return Ok(Next::Finished);
+                    }
                     measured.inductance_d = inductance;
                     self.begin_wave(Stage::Across, current.q, max);
-                }
-            }
-            Stage::Across => {
-                let seen = current.q;
-                if let Some(inductance) = self.shake(setup, seen, max, measured.resistance)? {
-                    measured.inductance_q = inductance;
-                    return Ok(Next::Finished);
                 }
             }
         }
@@ -217,6 +191,7 @@ impl Winding {
         }
     }
 
+    #[inline(never)]
     fn enter(&mut self, stage: Stage) {
         self.stage = stage;
         self.time = 0.0;
@@ -272,6 +247,7 @@ impl Winding {
         is_over.then_some((self.sums.0 * by, self.sums.1 * by))
     }
 
+    #[inline(never)]
     fn begin_wave(&mut self, stage: Stage, seen: f32, max: f32) {
         self.enter(stage);
         self.wave = 0.01 * max;
@@ -295,9 +271,10 @@ impl Winding {
         if self.is_grown {
             let change = (seen - self.last) / setup.period;
             let voltage = 0.5 * (before + acting) - resistance * 0.5 * (seen + self.last);
-            self.line.add(change, voltage);
+            self.line.add(voltage, change);
             if self.line.count >= f32::from(LOOKED_AT) {
-                let inductance = self.line.slope();
+                let (change, _) = self.line.solve();
+                let inductance = 1.0 / change;
                 return if is_within(inductance, 1e-6, 1.0) {
                     Ok(Some(inductance))
                 } else {
@@ -306,7 +283,7 @@ impl Winding {
             }
         }
         self.last = seen;
-        self.swing = (least(self.swing.0, seen), greatest(self.swing.1, seen));
+        self.swing = (lesser(self.swing.0, seen), greater(self.swing.1, seen));
         // The first half of a wave is one period long, so that the current swings around where it was.
         let turn = (self.period + HALF_WAVE / 2) % (2 * HALF_WAVE);
         let wave = if turn < HALF_WAVE {
@@ -319,31 +296,22 @@ impl Winding {
             self.period = 0;
             let swings = self.swing.1 - self.swing.0;
             let room = 0.9 * max - self.half.0;
-            if !self.is_grown {
-                self.is_grown = swings >= SWING * setup.current || self.wave >= 0.5 * room;
-                if !self.is_grown {
-                    self.wave *= 1.2;
-                }
+            if swings >= SWING * setup.current || self.wave >= 0.5 * room {
+                self.is_grown = true;
+            } else if !self.is_grown {
+                self.wave *= 1.2;
             }
             self.swing = (seen, seen);
         }
         let held = self.half.0;
         let is_along = self.stage == Stage::Along;
-        self.voltage = if is_along {
-            along(held + wave)
-        } else {
-            Rotor { d: held, q: wave }
-        };
         let given = if is_along { held + wave } else { wave };
+        self.voltage = if is_along {
+            along(given)
+        } else {
+            Rotor { d: held, q: given }
+        };
         self.voltages = (acting, given);
         Ok(None)
     }
-}
-
-fn least(one: f32, other: f32) -> f32 {
-    if one < other { one } else { other }
-}
-
-fn greatest(one: f32, other: f32) -> f32 {
-    if one > other { one } else { other }
 }
