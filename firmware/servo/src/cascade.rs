@@ -46,8 +46,7 @@ impl Gains {
     /// With a gain below 0, above 10⁴, or that is NaN.
     fn check(&self) -> Result<(), Implausible> {
         let gains = [self.position, self.velocity, self.integral];
-        let is_one = gains.iter().all(|gain| is_within(*gain, 0.0, 1e4));
-        is_one.then_some(()).ok_or(Implausible)
+        Implausible::unless(gains.iter().all(|gain| is_within(*gain, 0.0, 1e4)))
     }
 }
 
@@ -128,22 +127,24 @@ impl Cascade {
     ) -> Result<Self, Implausible> {
         motor.check()?;
         gains.check()?;
-        let cascade = Self {
+        let inertia = motor.inertia / motor.torque_constant();
+        Implausible::unless(
+            is_within(period, 20e-6, 10e-3)
+                && is_within(friction, 0.0, 1e3)
+                && is_within(inertia, 0.0, 1e3),
+        )?;
+        Ok(Self {
             gains,
             period,
             count: core::f32::consts::TAU / motor.counts as f32,
-            inertia: motor.inertia / motor.torque_constant(),
+            inertia,
             friction,
             filters: [Filter::NONE; 2],
             sum: 0.0,
             away: 0.0,
             velocity_error: 0.0,
             is_limited: false,
-        };
-        let is_one = is_within(period, 20e-6, 10e-3)
-            && is_within(friction, 0.0, 1e3)
-            && is_within(cascade.inertia, 0.0, 1e3);
-        is_one.then_some(cascade).ok_or(Implausible)
+        })
     }
 
     /// Other gains, from the next period on. The integral takes the step that they would make in the current.

@@ -272,6 +272,8 @@ impl Control {
     }
 
     /// Ends everything: the gates are to be off.
+    #[cold]
+    #[inline(never)]
     pub fn fail(&mut self, fault: Fault) {
         self.fault.get_or_insert(fault);
     }

@@ -5,6 +5,7 @@
 use crate::Angle;
 use crate::motor::Implausible;
 use crate::number::{is_within, limit};
+use crate::transform::direction;
 
 /// Currents are cut to this amount, in A.
 const MAX: f32 = 1e4;
@@ -96,9 +97,9 @@ impl Half {
     #[inline(never)]
     fn of(frequency: f32, period: f32) -> Result<Self, Implausible> {
         let turns = frequency * period;
-        let (sine, cosine) = Angle::from_turns(0.5 * turns).sine_cosine();
-        let is_one = is_within(turns, 1e-4, 0.45);
-        is_one.then_some(Self { sine, cosine }).ok_or(Implausible)
+        Implausible::unless(is_within(turns, 1e-4, 0.45))?;
+        let (sine, cosine) = direction(Angle::from_turns(0.5 * turns));
+        Ok(Self { sine, cosine })
     }
 
     /// Of the whole angle.
@@ -109,16 +110,15 @@ impl Half {
     /// With the factors of the newest and the oldest input, and of that between.
     #[inline(never)]
     fn second_order(&self, outer: f32, middle: f32, quality: f32) -> Result<Filter, Implausible> {
+        Implausible::unless(is_within(quality, 0.1, 100.0))?;
         let alpha = self.sine * self.cosine / quality;
         let by = 1.0 / (1.0 + alpha);
         let outer = outer * by;
-        let filter = Filter {
+        Ok(Filter {
             ahead: [outer, middle * by, outer],
             back: [-2.0 * self.cosine_of_whole() * by, (1.0 - alpha) * by],
             memory: [0.0; 2],
-        };
-        let is_one = is_within(quality, 0.1, 100.0);
-        is_one.then_some(filter).ok_or(Implausible)
+        })
     }
 }
 

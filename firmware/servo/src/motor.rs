@@ -55,6 +55,14 @@ pub struct Motor {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Implausible;
 
+impl Implausible {
+    /// # Errors
+    /// Unless it can be.
+    pub(crate) fn unless(can_be: bool) -> Result<(), Self> {
+        if can_be { Ok(()) } else { Err(Self) }
+    }
+}
+
 impl Motor {
     /// Whether it can be a motor.
     ///
@@ -62,16 +70,17 @@ impl Motor {
     /// With 0 or more than 500 pole pairs; a resistance outside 1 mΩ to 1 kΩ; an inductance outside 1 µH to 1 H; a flux outside 1 µV·s to 10 V·s; a
     /// current outside 1 mA to 1 kA or a peak below the rated one; an inertia outside 10⁻⁹ to 1 kg·m²; counts outside 16 to 2²⁴.
     pub fn check(&self) -> Result<(), Implausible> {
-        let is_one = (1..=500).contains(&self.pole_pairs)
-            && is_within(self.resistance, 1e-3, 1e3)
-            && is_within(self.inductance_d, 1e-6, 1.0)
-            && is_within(self.inductance_q, 1e-6, 1.0)
-            && is_within(self.flux, 1e-6, 10.0)
-            && is_within(self.rated_current, 1e-3, 1e3)
-            && is_within(self.peak_current, self.rated_current, 1e3)
-            && is_within(self.inertia, 1e-9, 1.0)
-            && (16..=1 << 24).contains(&self.counts);
-        is_one.then_some(()).ok_or(Implausible)
+        Implausible::unless(
+            (1..=500).contains(&self.pole_pairs)
+                && is_within(self.resistance, 1e-3, 1e3)
+                && is_within(self.inductance_d, 1e-6, 1.0)
+                && is_within(self.inductance_q, 1e-6, 1.0)
+                && is_within(self.flux, 1e-6, 10.0)
+                && is_within(self.rated_current, 1e-3, 1e3)
+                && is_within(self.peak_current, self.rated_current, 1e3)
+                && is_within(self.inertia, 1e-9, 1.0)
+                && (16..=1 << 24).contains(&self.counts),
+        )
     }
 
     /// The motor, if it can be one.

@@ -105,7 +105,7 @@ pub fn whole(value: f32) -> i64 {
 }
 
 /// The factor by which something fades in a period, when it fades at so many rad/s: e^(−rate · period), as a quotient that stays between 0 and 1.
-#[inline]
+#[inline(never)]
 pub fn fade(rate: f32, period: f32) -> f32 {
     let half = between(rate * period / 2.0, 0.0, 1.0);
     (1.0 - half) / (1.0 + half)

@@ -99,7 +99,7 @@ pub struct Field {
 impl Field {
     /// The current seen from a rotor at this electrical angle, as the current loop is asked for it.
     pub fn seen_from(&self, angle: Angle) -> transform::Rotor {
-        let (sine, cosine) = self.angle.minus(angle).sine_cosine();
+        let (sine, cosine) = transform::direction(self.angle.minus(angle));
         transform::Rotor {
             d: self.current * cosine,
             q: self.current * sine,
@@ -147,9 +147,7 @@ impl Stepper {
             && is_within(period, 5e-6, 1e-3);
         let pole_pairs = f32::from(motor.pole_pairs);
         let full_step = motor.counts as f32 / (4.0 * pole_pairs) * PARTS;
-        if !is_one || full_step < 4.0 * PARTS {
-            return Err(Implausible);
-        }
+        Implausible::unless(is_one && full_step >= 4.0 * PARTS)?;
         let pull = pole_pairs * motor.torque_constant() * config.current / motor.inertia;
         // Half as much as damps the swinging in the field wholly, 2/ω electrical rad for a rad/s: what is seen of the speed comes late.
         let damping = 1.0 / root(pull);

@@ -5,7 +5,7 @@ use crate::interrupt::CurrentInterrupt;
 use crate::motor::{Implausible, Motor, Wiring};
 use crate::number::{between, fade, is_within, root};
 use crate::protection::{Blocked, PhaseLoss};
-use crate::transform::Rotor;
+use crate::transform::{Rotor, direction};
 
 /// An unknown voltage above this share of the rated voltage of the winding shows that the encoder is wrong.
 const UNKNOWN: f32 = 0.35;
@@ -32,8 +32,7 @@ pub(super) struct Watch {
     phase_loss: PhaseLoss,
     /// For how long the unknown voltage has been too large, in s.
     astray: f32,
-    /// The frozen reading of each phase, and for how long it has been so, in s.
-    still: [(f32, f32); 3],
+    readings: [Reading; 3],
     /// For how long the sum of the phase currents has been too large, in s.
     unequal: f32,
     /// The current that the loop should have reached by now.
@@ -44,27 +43,26 @@ impl Watch {
     /// # Errors
     /// With what [`Blocked::new`] and [`PhaseLoss::new`] refuse, or a greatest speed outside 1 to 10⁴ rad/s.
     pub(super) fn new(motor: &Motor, config: &ControlConfig) -> Result<Self, Implausible> {
+        Implausible::unless(is_within(config.max_speed, 1.0, 1e4))?;
         let (period, rated) = (config.period, motor.rated_current);
         let least = between(0.02 * rated, 1e-3, rated);
         let (speed, time) = config.blocked;
-        let watch = Self {
+        Ok(Self {
             period,
             max_speed: config.max_speed,
             blocked: Blocked::new(speed, time, period)?,
             phase_loss: PhaseLoss::new(motor.wiring, least, 0.02, period)?,
             astray: 0.0,
-            still: [(0.0, 0.0); 3],
+            readings: [Reading::default(); 3],
             unequal: 0.0,
             due: Rotor::ZERO,
-        };
-        let is_one = is_within(config.max_speed, 1.0, 1e4);
-        is_one.then_some(watch).ok_or(Implausible)
+        })
     }
 
     /// The gates are about to be on.
     pub(super) fn start(&mut self) {
         self.astray = 0.0;
-        self.still = [(0.0, 0.0); 3];
+        self.readings = [Reading::default(); 3];
         self.unequal = 0.0;
         self.due = Rotor::ZERO;
         self.blocked.restart();
@@ -94,13 +92,16 @@ impl Watch {
         if !is_held {
             return Some(Fault::OverSpeed);
         }
-        let angle = interrupt.observer.angle().sine_cosine();
+        let angle = direction(interrupt.observer.angle());
         let asked = interrupt.current.demand();
         let keeps = fade(interrupt.current.rate(), self.period);
         self.due = self.due.fading_to(asked, keeps);
         let unknown = interrupt.current.unknown();
-        let phases = |rotor: Rotor| rotor.beside_stator(angle).phases(motor.wiring);
-        let [asked, carried, acts] = [self.due, current, unknown].map(phases);
+        let [asked, carried, acts] = &[
+            phases(self.due, angle, motor),
+            phases(current, angle, motor),
+            phases(unknown, angle, motor),
+        ];
         let (share, time) = ADDED_UP;
         let rated = motor.rated_current;
         if seen.sum.abs() <= share * rated {
@@ -111,7 +112,7 @@ impl Watch {
         if self.unequal > time {
             return Some(Fault::CurrentSensor);
         }
-        if is_fed && self.phase_loss.run(asked, carried).is_some() {
+        if is_fed && self.phase_loss.run(*asked, *carried).is_some() {
             return Some(Fault::PhaseLost);
         }
         if let Some(reading) = self.stands_still(motor, carried, asked, acts, seen.bus) {
@@ -145,28 +146,48 @@ impl Watch {
     fn stands_still(
         &mut self,
         motor: &Motor,
-        carried: [f32; 3],
-        asked: [f32; 3],
-        acts: [f32; 3],
+        carried: &[f32; 3],
+        asked: &[f32; 3],
+        acts: &[f32; 3],
         bus: f32,
     ) -> Option<f32> {
-        let (time, within, away, share) = STILL;
-        let rated = motor.rated_current;
+        let (time, _, away, share) = STILL;
         let mut found = None;
-        let phases = self.still.iter_mut().zip(carried);
-        let phases = phases.zip(asked.iter().zip(acts));
-        for (((reading, since), carried), (asked, acts)) in phases.take(motor.wiring.phases()) {
-            let is_still = (carried - *reading).abs() <= within * rated;
-            let is_away = (carried - asked).abs() > away * rated;
-            if is_still && is_away && acts.abs() > share * bus {
-                *since += self.period;
-            } else {
-                (*reading, *since) = (carried, 0.0);
-            }
-            if *since > time {
-                found = Some(*reading);
+        let phases = carried.iter().zip(asked).zip(acts);
+        let phases = self.readings.iter_mut().zip(phases);
+        for (reading, ((carried, asked), acts)) in phases.take(motor.wiring.phases()) {
+            let is_away = (carried - asked).abs() > away * motor.rated_current;
+            let is_acted_on = is_away && acts.abs() > share * bus;
+            reading.look(*carried, is_acted_on, motor.rated_current, self.period);
+            if reading.since > time {
+                found = Some(reading.frozen);
             }
         }
         found
     }
+}
+
+/// The reading of a phase.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Reading {
+    frozen: f32,
+    /// How long it has been so, in s.
+    since: f32,
+}
+
+impl Reading {
+    #[inline(never)]
+    fn look(&mut self, carried: f32, is_acted_on: bool, rated: f32, period: f32) {
+        let is_still = (carried - self.frozen).abs() <= STILL.1 * rated;
+        if is_still && is_acted_on {
+            self.since += period;
+        } else {
+            (self.frozen, self.since) = (carried, 0.0);
+        }
+    }
+}
+
+#[inline(never)]
+fn phases(vector: Rotor, angle: (f32, f32), motor: &Motor) -> [f32; 3] {
+    vector.beside_stator(angle).phases(motor.wiring)
 }

@@ -97,9 +97,7 @@ impl Commutation {
     pub fn new(motor: &Motor, current: f32, period: f32) -> Result<Self, Implausible> {
         motor.check()?;
         let is_one = is_within(current, 1e-3, motor.peak_current) && is_within(period, 5e-6, 1e-3);
-        if !is_one {
-            return Err(Implausible);
-        }
+        Implausible::unless(is_one)?;
         let count = f32::from(motor.pole_pairs) / motor.counts as f32;
         // A pendulum in the field: ω² = p kt I (ratio + 1) / J; damped as much as it can be, by 2 ω / (p kt I / J).
         let pull = f32::from(motor.pole_pairs) * motor.torque_constant() * current / motor.inertia;

@@ -22,17 +22,18 @@ impl Bus {
     /// # Errors
     /// If the three do not rise, `chop_until < chop_from < brake_until`, from 1 V to 2 kV.
     pub fn new(chop_until: f32, chop_from: f32, brake_until: f32) -> Result<Self, Implausible> {
-        let is_one = is_within(chop_until, 1.0, 2e3)
-            && chop_until < chop_from
-            && chop_from < brake_until
-            && brake_until <= 2e3;
-        let bus = Self {
+        Implausible::unless(
+            is_within(chop_until, 1.0, 2e3)
+                && chop_until < chop_from
+                && chop_from < brake_until
+                && brake_until <= 2e3,
+        )?;
+        Ok(Self {
             chop_from,
             chop_until,
             brake_until,
             chops: false,
-        };
-        is_one.then_some(bus).ok_or(Implausible)
+        })
     }
 
     /// The bus has this voltage. Gives whether the chopper is to be on.

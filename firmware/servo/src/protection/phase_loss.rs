@@ -28,23 +28,24 @@ impl PhaseLoss {
     /// # Errors
     /// With a current outside 1 mA to 10 kA, a period outside 5 µs to 10 ms, or a time that is not 2 periods to 10 s.
     pub fn new(wiring: Wiring, current: f32, time: f32, period: f32) -> Result<Self, Implausible> {
-        let is_one = is_within(current, 1e-3, 1e4)
-            && is_within(period, 5e-6, 10e-3)
-            && is_within(time, 2.0 * period, 10.0);
-        let loss = Self {
+        Implausible::unless(
+            is_within(current, 1e-3, 1e4)
+                && is_within(period, 5e-6, 10e-3)
+                && is_within(time, 2.0 * period, 10.0),
+        )?;
+        Ok(Self {
             wiring,
             enough: current * current,
             fades: fade(1.0 / time, period),
             asked: [0.0; 3],
             carried: [0.0; 3],
-        };
-        is_one.then_some(loss).ok_or(Implausible)
+        })
     }
 
     /// A period, in which this was asked of the phases, and this was measured, in A. Gives the phase that is lost.
     pub fn run(&mut self, asked: [f32; 3], carried: [f32; 3]) -> Option<usize> {
-        follow(&mut self.asked, asked, self.fades);
-        follow(&mut self.carried, carried, self.fades);
+        follow(&mut self.asked, &asked, self.fades);
+        follow(&mut self.carried, &carried, self.fades);
         let phases = self.asked.iter().zip(&self.carried);
         let mut lost = phases.take(self.wiring.phases());
         // Half the square is the mean of a sine of that size.
@@ -53,7 +54,7 @@ impl PhaseLoss {
 }
 
 #[inline(never)]
-fn follow(means: &mut [f32; 3], currents: [f32; 3], fades: f32) {
+fn follow(means: &mut [f32; 3], currents: &[f32; 3], fades: f32) {
     for (mean, current) in means.iter_mut().zip(currents) {
         let square = lesser(current * current, MAX);
         *mean = square + fades * (*mean - square);

@@ -16,8 +16,10 @@ impl Derating {
     /// # Errors
     /// If the second is not above the first, or one is outside −100 to 500 °C.
     pub fn new(from: f32, to: f32) -> Result<Self, Implausible> {
-        let is_one = is_within(from, -100.0, 500.0) && is_within(to, -100.0, 500.0) && from < to;
-        is_one.then_some(Self { from, to }).ok_or(Implausible)
+        Implausible::unless(
+            is_within(from, -100.0, to) && is_within(to, -100.0, 500.0) && from < to,
+        )?;
+        Ok(Self { from, to })
     }
 
     /// The share of the current at this temperature, 0 to 1. NaN leaves none.

@@ -26,19 +26,20 @@ impl Thermal {
     /// # Errors
     /// With a rated current outside 1 mA to 1 kA, a peak below it or above 10 kA, a time outside a period to 1,000 s, or a period outside 20 µs to 1 s.
     pub fn new(rated: f32, peak: f32, time: f32, period: f32) -> Result<Self, Implausible> {
-        let is_one = is_within(rated, 1e-3, 1e3)
-            && is_within(peak, rated, 1e4)
-            && is_within(period, 20e-6, 1.0)
-            && is_within(time, period, 1e3);
+        Implausible::unless(
+            is_within(rated, 1e-3, 1e3)
+                && is_within(peak, rated, 1e4)
+                && is_within(period, 20e-6, 1.0)
+                && is_within(time, period, 1e3),
+        )?;
         let rated_square = rated * rated;
-        let thermal = Self {
+        Ok(Self {
             rated_square,
             peak,
             period,
             budget: (peak * peak - rated_square) * time,
             spent: 0.0,
-        };
-        is_one.then_some(thermal).ok_or(Implausible)
+        })
     }
 
     /// A period with this square of the current has passed, in A². Gives the greatest current for the next, in A.

@@ -106,6 +106,7 @@ pub(super) struct Strokes {
 
 impl Strokes {
     /// With a motor of which winding and pole pairs are known, whose rotor stands at this electrical angle, with the timer at this count, and in this position.
+    #[inline(never)]
     pub(super) fn new(
         setup: &Setup,
         motor: &Motor,

@@ -9,7 +9,7 @@
 use super::line::Line;
 use super::{Failure, Measured, Next, Setup, along};
 use crate::number::{between, greater, is_within, lesser, root};
-use crate::transform::{Rotor, Stator};
+use crate::transform::{Rotor, Stator, direction};
 use crate::{Angle, Wiring};
 
 /// The voltage begins at this share of what there is, and grows by e in this time, in s.
@@ -98,7 +98,7 @@ pub(super) struct Winding {
 
 impl Winding {
     pub(super) fn new(wiring: Wiring) -> Self {
-        let (sine, cosine) = Angle::from_turns(field(wiring)).sine_cosine();
+        let (sine, cosine) = direction(Angle::from_turns(field(wiring)));
         Self {
             stage: Stage::Rise,
             field: (cosine, sine),
