@@ -15,7 +15,7 @@ use super::{Failure, Measured, Next, Seen, Setup};
 use crate::current_loop::Sample;
 use crate::feedback::{Incremental, Observer};
 use crate::motor::Implausible;
-use crate::number::{between, is_within, lesser};
+use crate::number::{between, greater, is_within, lesser};
 use crate::transform::Rotor;
 use crate::{Angle, CurrentLoop, Motor};
 
