@@ -370,6 +370,7 @@ impl Control {
     }
 
     /// How much of I²t is spent, of the motor or the stage, whichever is more: 0 to 1.
+    #[inline(never)]
     pub fn heat(&self) -> f32 {
         let [motor, stage] = &self.thermal;
         motor.share().max(stage.share())

@@ -76,7 +76,7 @@ impl Motor {
                 && is_within(self.inductance_d, 1e-6, 1.0)
                 && is_within(self.inductance_q, 1e-6, 1.0)
                 && is_within(self.flux, 1e-6, 10.0)
-                && is_within(self.rated_current, 1e-3, 1e3)
+                && self.rated_current >= 1e-3
                 && is_within(self.peak_current, self.rated_current, 1e3)
                 && is_within(self.inertia, 1e-9, 1.0)
                 && (16..=1 << 24).contains(&self.counts),

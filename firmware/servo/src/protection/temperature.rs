@@ -1,7 +1,7 @@
 //! Less current where it is hot: all of it below one temperature, none above another, evenly between.
 
 use crate::motor::Implausible;
-use crate::number::{between, is_within};
+use crate::number::between;
 
 /// See the module.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,9 +16,7 @@ impl Derating {
     /// # Errors
     /// If the second is not above the first, or one is outside −100 to 500 °C.
     pub fn new(from: f32, to: f32) -> Result<Self, Implausible> {
-        Implausible::unless(
-            is_within(from, -100.0, to) && is_within(to, -100.0, 500.0) && from < to,
-        )?;
+        Implausible::unless(from >= -100.0 && from < to && to <= 500.0)?;
         Ok(Self { from, to })
     }
 

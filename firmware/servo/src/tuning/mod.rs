@@ -174,9 +174,9 @@ impl Tuning {
             (16..=1 << 24).contains(&setup.counts)
                 && is_within(setup.period, 5e-6, 1e-3)
                 && is_within(setup.current, 1e-3, setup.trip)
-                && is_within(setup.trip, 1e-3, 1e4)
+                && setup.trip <= 1e4
                 && is_within(setup.bus.0, 1.0, setup.bus.1)
-                && is_within(setup.bus.1, 1.0, 2e3)
+                && setup.bus.1 <= 2e3
                 && is_within(setup.distance, 0.01, 10.0)
                 && is_within(setup.max_speed, 1.0, 1e4),
         )?;
