@@ -4,12 +4,13 @@ import pytest
 from drive import FAULT, FAULT_RESET, OPERATION_ENABLED
 from gate_driver import CONTROL_1, CONTROL_2, GateDriver
 from motor import Motor
-from servo_bench import PERIOD, PROFILE_POSITION, Kind, commanded, current_interrupts, enable, hold, move, on_the_way, starting
+from servo_bench import PERIOD, PROFILE_POSITION, Kind, commanded, current_interrupts, enable, hold, in_flash, move, on_the_way, starting
 from stm32f405 import HZ
 from stm32f405.image import Image
 
-#: The rated torque of the motor, in mN·m.
+#: The rated torque of the motor, in mN·m, behind its current in mA.
 RATED = 320
+RATINGS = (4_000, RATED)
 
 
 def begin(start, **how):
@@ -26,7 +27,7 @@ def begin(start, **how):
 
 @pytest.fixture(scope="module")
 def kind(pytestconfig):
-    return Kind(Image(pytestconfig.getoption("--servo-image")), begin, (4_000, RATED))
+    return Kind(Image(pytestconfig.getoption("--servo-image")), begin, RATINGS)
 
 
 @pytest.fixture(scope="module")
@@ -134,3 +135,8 @@ def test_the_current_interrupt_is_over_before_its_widths_are_taken(found):
 def test_it_is_in_a_move_too(found):
     on_the_way(found, 100_000, 100_000)
     assert max(current_interrupts(found.chip, 100)) < PERIOD / 2
+
+
+def test_what_the_current_interrupt_does_in_each_period_runs_in_ram(found):
+    hold(found, 300)
+    assert not set.intersection(*in_flash(found.chip, 10))

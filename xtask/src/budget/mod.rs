@@ -2,6 +2,7 @@
 //!
 //! `cargo xtask size` prints these figures behind those of each crate, and docs/benchmarks.md holds them beside their goals.
 
+mod instruction;
 mod lines;
 mod stack;
 

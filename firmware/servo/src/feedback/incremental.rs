@@ -60,6 +60,7 @@ impl Incremental {
     }
 
     /// The timer counts this now. More than 32,767 counts between two looks cannot be seen.
+    #[inline(always)]
     pub fn look(&mut self, timer: u16) {
         let moved = self.moved(self.last, timer);
         self.last = timer;

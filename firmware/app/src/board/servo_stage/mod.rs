@@ -85,6 +85,8 @@ const _: () = assert!(
     "a refill in each period of the loops above the current"
 );
 
+/// In the memory of the core alone, where it takes no turns with the instructions of the interrupt.
+#[link_section = ".uninit.streamed"]
 static mut INNER: MaybeUninit<Inner> = MaybeUninit::uninit();
 
 /// The loops, with the converters and with bridges that are made last: they bring the first
@@ -125,8 +127,15 @@ pub fn on_current() {
     let inner = unsafe { (*addr_of_mut!(INNER)).assume_init_mut() };
     if !inner.bridges.is_sampled() {
         inner.converters.pass();
-        return;
+    } else {
+        on_samples(inner);
     }
+}
+
+/// Apart, as it saves registers that the other interrupt spares itself. In RAM (memory.x), with what it calls in each period put into it.
+#[inline(never)]
+#[link_section = ".current"]
+fn on_samples(inner: &mut Inner) {
     let counts = inner.converters.read(encoder::count());
     match inner.current.period(&counts) {
         Some(widths) => inner.bridges.put(widths),
