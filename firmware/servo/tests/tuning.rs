@@ -344,7 +344,7 @@ impl Sample {
             3 => motor.detent = 0.015 * torque,
             4 => motor.inductance_q = motor.inductance_d + 0.3 * motor.flux / self.rated,
             5 => return self.accelerated_by(1_000.0),
-            _ => return self.accelerated_by(40_000.0),
+            _ => return self.accelerated_by(30_000.0),
         }
         self
     }
