@@ -99,8 +99,8 @@ fn m45_no_change_of_the_mode_makes_a_step_of_the_torque() {
         ("servo_100w", 0, 0.1, 100_000, 15),
         ("nema17", 0, 0.05, 10_000, 40),
         // A rotor swings in its field.
-        ("nema17", 2, 0.05, 10_000, 250),
-        ("nema17", 3, 0.05, 10_000, 250),
+        ("nema17", 2, 0.05, 10_000, 300),
+        ("nema17", 3, 0.05, 10_000, 300),
     ] {
         for from in MODES {
             let mut drive = ServoBench::on_changed(name, |data| data.plant.motor.detent = 0.0);
