@@ -17,7 +17,7 @@ use crate::cascade::{Actual, Demand, Gains, Limits};
 use crate::current_loop::Trip;
 use crate::feedback::FeedbackFault;
 use crate::filter::Filter;
-use crate::interrupt::CurrentInterrupt;
+use crate::interrupt::Snapshot;
 use crate::motor::Implausible;
 use crate::number::{between, fade, lesser, limit, root};
 use crate::protection::{Bus, Derating, Thermal};
@@ -25,7 +25,7 @@ use crate::stepper::{Stepper, StepperConfig};
 use crate::transform::Rotor;
 use crate::tuning::Chirp;
 use crate::{Angle, Cascade, Motor};
-pub use order::{Goal, Order, Report, Seen};
+pub use order::{Goal, Order, Report};
 use watch::Watch;
 
 /// Why the motor has no current any more.
@@ -285,22 +285,20 @@ impl Control {
         self.fault
     }
 
-    /// A period: the current in d and q for the next, in A.
+    /// A period, with the stage so hot, in °C: the current in d and q for the next, in A.
     ///
     /// # Errors
     /// The gates are to be off.
-    pub fn run(&mut self, interrupt: &CurrentInterrupt, seen: &Seen) -> Result<Rotor, Fault> {
+    pub fn run(&mut self, seen: &Snapshot, temperature: f32) -> Result<Rotor, Fault> {
         if let Some(fault) = self.fault {
             return Err(fault);
         }
-        let actual = self.actual(interrupt);
-        let (pushes, share) = (self.pushes(), self.config.derating.share(seen.temperature));
+        let actual = self.actual(seen);
+        let (pushes, share) = (self.pushes(), self.config.derating.share(temperature));
         let is_fed = !self.config.bus.is_sunk(seen.bus);
         let found = match share {
             _ if share <= 0.0 => Some(Fault::Temperature),
-            _ => self
-                .watch
-                .run(interrupt, seen, is_fed, pushes, actual.velocity),
+            _ => self.watch.run(seen, is_fed, pushes, actual.velocity),
         };
         // What is held at rest by less than all is not blocked.
         let found = found.filter(|fault| *fault != Fault::Blocked || self.is_limited);
@@ -308,7 +306,7 @@ impl Control {
             self.fail(fault);
             return Err(fault);
         }
-        let current = interrupt.current.current();
+        let current = seen.current;
         self.shown = Rotor {
             d: current.d + self.shows * (self.shown.d - current.d),
             q: current.q + self.shows * (self.shown.q - current.q),
@@ -342,7 +340,7 @@ impl Control {
         self.field = None;
         let wanted = match holder {
             Holder::Field => {
-                let field = self.lead(&demand, interrupt, is_new, limits, seen.bus);
+                let field = self.lead(&demand, seen, is_new, limits);
                 along = field.d;
                 field.q
             }
@@ -366,7 +364,7 @@ impl Control {
         })
     }
 
-    /// Whether the current of the last period is a field that turns by itself, for [`CurrentInterrupt::order_field`]: from where it was seen, and its
+    /// Whether the current of the last period is a field that turns by itself, for [`CurrentInterrupt::order_field`](crate::CurrentInterrupt::order_field): from where it was seen, and its
     /// speed in electrical rad/s.
     pub fn field(&self) -> Option<(Angle, f32)> {
         self.field
@@ -378,36 +376,41 @@ impl Control {
         motor.share().max(stage.share())
     }
 
-    /// What there is to tell.
-    pub fn report(&self, interrupt: &CurrentInterrupt) -> Report {
+    /// What there is to tell while the motor has current.
+    pub fn report(&self, seen: &Snapshot) -> Report {
         let current = self.shown;
         let constant = self.torque_constant;
         let saliency = self.motor.inductance_d - self.motor.inductance_q;
         let torque = constant * (1.0 + saliency * current.d / self.motor.flux) * current.q;
         let size = root(current.square());
-        let is_on = self.fault.is_none();
         Report {
-            demand: if is_on { self.wanted * constant } else { 0.0 },
-            torque: if is_on { torque } else { 0.0 },
-            current: match (is_on, current.q < 0.0) {
-                (false, _) => 0.0,
-                (true, true) => -size,
-                (true, false) => size,
-            },
-            velocity: self.actual(interrupt).velocity / self.count,
-            is_limited: is_on && self.is_limited,
-            lead: match (&self.stepper, self.holder) {
-                (Some(stepper), Holder::Field) if is_on => stepper.lead(),
-                _ => 0.0,
-            },
-            is_hot: self.thermal.iter().any(|thermal| thermal.share() > 0.9),
+            demand: self.wanted * constant,
+            torque,
+            current: if current.q < 0.0 { -size } else { size },
+            velocity: self.actual(seen).velocity / self.count,
+            is_limited: self.is_limited,
+            lead: self.lead_angle(),
+            is_hot: self.is_hot(),
         }
     }
 
-    fn actual(&self, interrupt: &CurrentInterrupt) -> Actual {
+    /// By how many full steps the field of a stepper is to lead the rotor; 0 where none does.
+    pub fn lead_angle(&self) -> f32 {
+        match (&self.stepper, self.holder) {
+            (Some(stepper), Holder::Field) if self.fault.is_none() => stepper.lead(),
+            _ => 0.0,
+        }
+    }
+
+    /// The heat has come near its bound.
+    pub fn is_hot(&self) -> bool {
+        self.thermal.iter().any(|thermal| thermal.share() > 0.9)
+    }
+
+    fn actual(&self, seen: &Snapshot) -> Actual {
         Actual {
-            position: interrupt.encoder.position(),
-            velocity: interrupt.observer.speed() / f32::from(self.motor.pole_pairs),
+            position: seen.position,
+            velocity: seen.speed / f32::from(self.motor.pole_pairs),
         }
     }
 

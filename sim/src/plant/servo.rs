@@ -4,7 +4,9 @@
 //! control each [`CONTROL`] periods. How the loops come to know where the magnet is, [`Magnet`] says.
 
 use motion::Ticks;
-use runtime::servo::{Feedback, Loops, ServoData, StageData, error_code};
+use runtime::servo::{
+    Current, Feedback, LoopReport, Loops, Request, ServoData, ServoSettings, StageData, error_code,
+};
 use servo::control::Fault;
 use servo::feedback::absolute::{ENTRIES, NO_ERROR};
 use servo::interrupt::Counts;
@@ -195,6 +197,7 @@ impl ServoAxisData {
 pub struct ServoMotor {
     plant: Plant,
     magnet: Magnet,
+    current: Current,
     loops: Loops,
     /// Amperes of a count.
     scale: f32,
@@ -215,11 +218,13 @@ impl ServoMotor {
             Magnet::Absolute(_) => 0,
             _ => plant.measure().count as u16,
         };
-        let loops = Loops::new(&data.loops(), timer, magnet);
+        let loops = data.loops();
+        let current = Current::new(&loops, timer, magnet);
         Self {
             plant,
             magnet: data.magnet,
-            loops: loops.expect("the axes are plausible"),
+            current: current.expect("the axes are plausible"),
+            loops: Loops::new(&loops).expect("the axes are plausible"),
             scale: data.scale(),
             time: 0,
             periods: 0,
@@ -236,19 +241,29 @@ impl ServoMotor {
         &self.plant
     }
 
-    /// The loops, to set them up or to have them measure the motor.
-    pub fn loops_mut(&mut self) -> &mut Loops {
-        &mut self.loops
+    /// Sets the loops up.
+    pub fn set_up(&mut self, settings: &ServoSettings) {
+        self.loops.set_up(&mut self.current, settings);
     }
 
-    /// The loops.
+    /// Has them measure the motor.
+    pub fn request(&mut self, request: Request) {
+        self.loops.request(&mut self.current, request);
+    }
+
+    /// The loops above the current.
     pub fn loops(&self) -> &Loops {
         &self.loops
     }
 
+    /// What the loops report beside the actual values.
+    pub fn loop_report(&mut self) -> LoopReport {
+        self.loops.loop_report(&mut self.current)
+    }
+
     /// Of the encoder, from where it began.
     pub fn position(&self) -> i64 {
-        self.loops.position()
+        self.current.position()
     }
 
     /// The bus in mV.
@@ -258,7 +273,7 @@ impl ServoMotor {
 
     /// Whether the loops may put current into the motor.
     pub fn energise(&mut self, on: bool) {
-        self.loops.energise(on);
+        self.loops.energise(&mut self.current, on);
         if !on {
             self.plant.gates = Gates::Off;
         }
@@ -270,7 +285,7 @@ impl ServoMotor {
     }
 
     fn fault(&self) -> Option<Fault> {
-        self.loops.fault()
+        self.current.fault()
     }
 
     /// Runs for so many microseconds. `order` was given at its moment of the step clock, of which the run begins at `begin`; its positions count from `origin` on.
@@ -296,11 +311,11 @@ impl ServoMotor {
             counts.clamp(0.0, 65_535.0) as u16
         };
         let timer = match (self.magnet, readings.index) {
-            (Magnet::Absolute(_), _) => self.loops.word(readings.word),
+            (Magnet::Absolute(_), _) => self.current.word(readings.word),
             (_, index) => {
-                self.loops.hall(readings.hall);
+                self.current.hall(readings.hall);
                 if let Some(index) = index {
-                    self.loops.index(index as u16);
+                    self.current.index(index as u16);
                 }
                 readings.count as u16
             }
@@ -311,21 +326,20 @@ impl ServoMotor {
             timer,
         };
         self.plant.chopper = self.loops.chops(&counts);
-        let widths = self.loops.period(&counts, hot);
-        self.loops.control(&counts, since, origin, hot);
+        let widths = self.current.period(&counts);
+        if self.current.is_due() {
+            self.loops.run(&mut self.current, since, origin, hot);
+        }
         self.plant.run(HALF);
-        self.plant.gates = match (widths, self.fault()) {
-            (Some(widths), None) => {
-                Gates::On(shares(self.loops.motor().wiring, widths).map(f64::from))
-            }
-            _ => Gates::Off,
-        };
+        let widths = widths.filter(|_| !self.current.is_off());
+        let shares = |widths| shares(self.loops.motor().wiring, widths).map(f64::from);
+        self.plant.gates = widths.map_or(Gates::Off, |widths| Gates::On(shares(widths)));
         self.plant.run(HALF);
     }
 
     /// What has become of the orders, in counts from `origin` on.
     pub fn report(&self, origin: i64) -> ServoReport {
-        self.loops.report(origin)
+        self.loops.report(&self.current.state(), origin)
     }
 
     /// How far the rotor may be from where it is held at rest, in counts.
@@ -335,7 +349,7 @@ impl ServoMotor {
 
     /// The rotor stands against a limit of the torque.
     pub fn is_stalled(&self) -> bool {
-        self.loops.is_stalled()
+        self.loops.is_stalled(&self.current.state())
     }
 
     /// The heat of motor and stage has come near its bound.

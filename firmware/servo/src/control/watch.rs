@@ -1,7 +1,7 @@
 //! What cannot go on: each period what is seen of the motor is held against what it should do.
 
-use super::{ControlConfig, Fault, Seen};
-use crate::interrupt::CurrentInterrupt;
+use super::{ControlConfig, Fault};
+use crate::interrupt::Snapshot;
 use crate::motor::{Implausible, Motor, Wiring};
 use crate::number::{between, fade, is_within, root};
 use crate::protection::{Blocked, PhaseLoss};
@@ -84,20 +84,19 @@ impl Watch {
     /// A period.
     pub(super) fn run(
         &mut self,
-        interrupt: &CurrentInterrupt,
-        seen: &Seen,
+        seen: &Snapshot,
         is_fed: bool,
         pushes: bool,
         velocity: f32,
     ) -> Option<Fault> {
-        let current = interrupt.current.current();
+        let current = seen.current;
         let is_held = velocity.abs() <= self.max_speed;
         if !is_held {
             return Some(Fault::OverSpeed);
         }
-        let angle = interrupt.observer.angle().sine_cosine();
-        let asked = interrupt.current.demand();
-        let keeps = fade(interrupt.current.rate(), self.period);
+        let angle = seen.angle.sine_cosine();
+        let asked = seen.demand;
+        let keeps = fade(seen.rate, self.period);
         self.due = Rotor {
             d: asked.d + keeps * (self.due.d - asked.d),
             q: asked.q + keeps * (self.due.q - asked.q),
@@ -106,7 +105,10 @@ impl Watch {
         let carried = current.beside_stator(angle);
         let phases = |stator: Stator| stator.phases(self.motor.wiring);
         let (share, time) = ADDED_UP;
-        if seen.sum.abs() <= share * self.motor.rated_current {
+        // Of two phases the sum says nothing.
+        if self.motor.wiring == Wiring::TwoPhase
+            || seen.sum.abs() <= share * self.motor.rated_current
+        {
             self.unequal = 0.0;
         } else {
             self.unequal += self.period;
@@ -117,7 +119,7 @@ impl Watch {
         if is_fed && (self.phase_loss.run(phases(asked), phases(carried))).is_some() {
             return Some(Fault::PhaseLost);
         }
-        let unknown = interrupt.current.unknown();
+        let unknown = seen.unknown;
         let acts = unknown.beside_stator(angle);
         if let Some(reading) =
             self.stands_still(phases(carried), phases(asked), phases(acts), seen.bus)

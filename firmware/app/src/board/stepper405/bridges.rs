@@ -80,6 +80,13 @@ impl servo_stage::Bridges for Bridges {
     }
 }
 
+/// There is no brake resistor.
+pub struct Brake;
+
+impl servo_stage::Brake for Brake {
+    fn burn(&mut self, _share: f32) {}
+}
+
 #[inline(always)]
 fn set_enable(bit: u32) {
     // SAFETY: a bit of a register that changes no other pin.
