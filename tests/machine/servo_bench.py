@@ -73,16 +73,16 @@ def on_the_way(servo, speed, way):
     assert abs(servo[0x607A] - servo[0x6064]) > abs(way) / 2
 
 
-#: Periods of the modulation in one of the loops above the current.
-CONTROL = 5
-#: Clocks that the interrupts of a period may take, by the model of cost: the one of the currents in each, that of the loops in one of five. What they take on each
-#: board, and in which motion, is in docs/servo.md.
+#: Clocks of a period of the loops above the current, 4 kHz.
+CONTROL = 42_000
+#: Clocks that the interrupts of a period may take, by the model of cost: the one of the currents in each of the modulation, the other in each of the loops. What they take
+#: on each board, and in which motion, is in docs/servo.md.
 CURRENT, LOOPS = 1_200, 4_800
 #: For so long the loops keep back the current interrupt.
 MASKED = 300
 
 
-def interrupts_are_short(chip, periods, more=0):
+def interrupts_are_short(chip, periods, more=0, modulation=PERIOD):
     """The clocks that the interrupts of the currents and of the loops take, by the model of cost, in so many periods of the loops. `more`: how often the converters end in a
     period of the modulation for nothing."""
     chip.core.count_cost()
@@ -91,17 +91,19 @@ def interrupts_are_short(chip, periods, more=0):
     taken, current, loops = chip.core.shares.clocks, [], []
     for _ in range(periods):
         above = taken[level(6)]
-        for _ in range(CONTROL):
+        for _ in range(CONTROL // modulation):
             before = taken[level(7)]
-            chip.run(PERIOD)
+            chip.run(modulation)
             current.append(taken[level(7)] - before)
         loops.append(taken[level(6)] - above)
-    for name, times in (("ADC", CONTROL * (1 + more)), ("TIM7", 1)):
+    for name, times in (("ADC", CONTROL // modulation * (1 + more)), ("TIM7", 1)):
         assert chip.core.counts[16 + IRQ[name]] - served[name] == periods * times, name
     masked = chip.core.cost.longest[level(7)]
     for name, clocks in (("currents", current), ("loops", loops)):
         print(f"{name}: {sum(clocks) / len(clocks):.0f} clocks in the mean, {max(clocks)} at most")
     print(f"currents masked for {masked} clocks at most")
+    # Widths are written in their half of a period, also where the loops come before.
+    assert max(current) + masked < modulation / 2
     assert max(current) < CURRENT and max(loops) < LOOPS and masked < MASKED
 
 

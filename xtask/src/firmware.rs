@@ -29,6 +29,9 @@ const WHOLE: &str = "stm32f405,sin-squared,block-transfer";
 /// The servo on the board ODrive v3.6, without logs.
 const ODRIVE: &str = "odrive36,sin-squared,block-transfer";
 
+/// The same with its current loop at 40 kHz.
+const ODRIVE_40KHZ: &str = "odrive36,sin-squared,block-transfer,pwm-40khz";
+
 /// The stepper in closed loop on the board with two full bridges, without logs.
 const STEPPER: &str = "stepper405,sin-squared,block-transfer";
 
@@ -44,6 +47,8 @@ pub enum Image {
     Whole,
     /// The servo on the board ODrive v3.6, without logs.
     Odrive,
+    /// The same with its current loop at 40 kHz.
+    Odrive40khz,
     /// The stepper in closed loop on the board with two full bridges, without logs.
     Stepper,
     /// The smallest drive that is still a good one (`eds/compact.eds`), without logs.
@@ -71,6 +76,7 @@ impl Image {
             Self::Board
             | Self::Whole
             | Self::Odrive
+            | Self::Odrive40khz
             | Self::Stepper
             | Self::Compact
             | Self::Least
@@ -95,6 +101,7 @@ impl Image {
             Self::Board | Self::BasicDevice => &[],
             Self::NoPanic | Self::Whole => &["--no-default-features", "--features", WHOLE],
             Self::Odrive | Self::NoPanicServo => &["--no-default-features", "--features", ODRIVE],
+            Self::Odrive40khz => &["--no-default-features", "--features", ODRIVE_40KHZ],
             Self::Stepper => &["--no-default-features", "--features", STEPPER],
             Self::Compact | Self::Least | Self::BasicDeviceForSize => {
                 &["--no-default-features", "--features", "stm32f405"]
@@ -106,7 +113,7 @@ impl Image {
     /// Its board: the folder in `firmware/app/src/board`.
     pub fn board(self) -> &'static str {
         match self {
-            Self::Odrive | Self::NoPanicServo => "odrive36",
+            Self::Odrive | Self::Odrive40khz | Self::NoPanicServo => "odrive36",
             Self::Stepper => "stepper405",
             Self::Qemu | Self::Bench => "qemu",
             _ => "stm32f405",
@@ -148,6 +155,7 @@ impl Image {
             Self::Board => "axis402-stm32f405.elf",
             Self::Whole => "axis402-without-logs.elf",
             Self::Odrive => "axis402-odrive36.elf",
+            Self::Odrive40khz => "axis402-odrive36-40khz.elf",
             Self::Stepper => "axis402-stepper405.elf",
             Self::Compact => "axis402-compact.elf",
             Self::Least => "axis402-least.elf",

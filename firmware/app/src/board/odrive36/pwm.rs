@@ -5,8 +5,15 @@ use servo::stage::Counter;
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
-use crate::board::servo_stage::pwm::{bits, Motor, Settings, COUNTER, TOP};
+use crate::board::servo_stage::pwm::{bits, Motor, Settings, COUNTER};
 use crate::board::servo_stage::{self, pwm};
+
+/// Half a period of the motor's.
+pub const TOP: u16 = if cfg!(feature = "pwm-40khz") {
+    2_100
+} else {
+    4_200
+};
 
 /// Clocks between the switches of a half bridge: 0.12 µs, as the firmware of its maker has it; the gate driver adds 0.05 µs.
 pub const DEAD: u8 = 20;

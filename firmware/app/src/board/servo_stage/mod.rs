@@ -32,8 +32,7 @@ use ::servo::Motor;
 
 use self::orders::{LinkedServoObjects, Orders};
 use super::chip::{self, TIMERS_HZ};
-use super::{own, Board, Selected};
-use crate::control::RATE_HZ;
+use super::own;
 use crate::dictionary::POSITIONS;
 
 /// Nothing takes pulses: they are so short that no speed of a motor is beyond them.
@@ -95,12 +94,6 @@ struct OfLoops {
     current: Masked,
 }
 
-/// The loops above the current run as often as refills come.
-const _: () = assert!(
-    pwm::HZ == RATE_HZ * Selected::REFILLS * own::DATA.stage.control as u32,
-    "a refill in each period of the loops above the current"
-);
-
 static mut OF_CURRENT: MaybeUninit<OfCurrent> = MaybeUninit::uninit();
 static mut OF_LOOPS: MaybeUninit<OfLoops> = MaybeUninit::uninit();
 
@@ -141,7 +134,7 @@ pub fn start(
     (Orders(port), objects)
 }
 
-/// See [`Board::on_current`].
+/// See [`super::Board::on_current`].
 pub fn on_current() {
     // SAFETY: it was written before interrupts were on. This interrupt does not interrupt itself,
     // and the loops come to the memory only while it is masked.
@@ -192,7 +185,7 @@ impl CurrentLock for Masked {
     }
 }
 
-/// See [`Board::on_loops`].
+/// See [`super::Board::on_loops`].
 pub fn on_loops() {
     // SAFETY: it was written before interrupts were on, and this interrupt alone, which does not
     // interrupt itself, has it since.
@@ -212,7 +205,7 @@ pub fn on_loops() {
     NVIC::pend(pac::Interrupt::TIM4);
 }
 
-/// See [`Board::trip`].
+/// See [`super::Board::trip`].
 pub fn trip() {
     pwm::trip();
     lines::fault_seen();

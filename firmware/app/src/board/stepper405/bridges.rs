@@ -30,6 +30,9 @@ const SETTINGS: Settings = Settings {
     dead: 0,
 };
 
+/// Half a period, 20 kHz.
+pub const TOP: u16 = 4_200;
+
 /// CR1 of TIM1: it counts down.
 const DIR: u32 = 1 << 4;
 
