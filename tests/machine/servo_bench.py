@@ -77,9 +77,9 @@ def on_the_way(servo, speed, way):
 CONTROL = 42_000
 #: Clocks that the interrupts of a period may take, by the model of cost: the one of the currents in each of the modulation, the other in each of the loops. What they take
 #: on each board, and in which motion, is in docs/servo.md.
-CURRENT, LOOPS = 1_200, 4_800
+CURRENT, LOOPS = 1_000, 4_600
 #: For so long the loops keep back the current interrupt.
-MASKED = 300
+MASKED = 320
 
 
 def interrupts_are_short(chip, periods, more=0, modulation=PERIOD):
