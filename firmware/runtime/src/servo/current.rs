@@ -329,5 +329,11 @@ impl Current {
         self.motor = *motor;
         self.interrupt.encoder.set_pole_pairs(motor.pole_pairs);
         self.sensor.restart();
+        // The magnet that is still to be found is that of this motor.
+        if let Some(search) = &mut self.search
+            && let Ok(anew) = Commutation::new(motor, motor.rated_current, self.period)
+        {
+            *search = anew;
+        }
     }
 }

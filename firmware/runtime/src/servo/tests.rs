@@ -6,6 +6,7 @@ use super::*;
 use cia402::{ServoGoal, ServoOrder, ServoPort, ServoReport};
 use motion::{PulseSink, Record, SignedSpeed, Speed};
 use servo::control::Fault;
+use servo::feedback::Commutation;
 use servo::interrupt::Counts;
 use servo::modulation::Widths;
 use servo::{Angle, Motor, Wiring};
@@ -361,4 +362,19 @@ fn what_comes_before_the_loops_comes_too_where_the_current_was_barred_first() {
     link.set_up(barred, None);
     run(&mut board, 5, &AT_REST);
     assert_eq!(run(&mut board, 1, &AT_REST), None);
+}
+
+#[test]
+fn the_magnet_is_looked_for_with_the_pole_pairs_that_are_set() {
+    let (mut board, _, link) = linked(None);
+    let settings = ServoSettings {
+        pole_pairs: 7,
+        ..ServoSettings::NONE
+    };
+    link.set_up(settings, None);
+    run(&mut board, 10, &AT_REST);
+    let motor = *board.linked.loops.motor();
+    assert_eq!(motor.pole_pairs, 7);
+    let search = Commutation::new(&motor, motor.rated_current, 50e-6).ok();
+    assert_eq!(board.current.search, search);
 }
