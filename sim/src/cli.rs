@@ -99,7 +99,7 @@ struct ServeArguments {
     /// Keep what LSS stores in this file
     #[arg(long, value_name = "FILE")]
     store: Option<PathBuf>,
-    /// Give the drive the axis in this file: switches, end stops, motor, load, supply (docs/plant.md; ready ones in sim/plants)
+    /// Give the drive the axis in this file: switches, end stops, motor or servo, load, supply (docs/plant.md; ready ones in sim/plants)
     #[arg(long, value_name = "FILE.toml")]
     plant: Option<PathBuf>,
     /// Be the drive on a ready axis whose motor is moved by its current: docs/servo.md
@@ -248,6 +248,7 @@ fn service(arguments: ServeArguments) -> Result<Service, String> {
         None => stored.node_id,
     };
     let axis = match arguments.plant.as_deref() {
+        Some(plant) if arguments.product.is_some() => Some(Axis::read_bare(plant)?),
         Some(plant) => Some(Axis::read(plant)?),
         None => chosen_axis(arguments.axis, arguments.pulses, arguments.product).map(|servo| {
             if arguments.product.is_some() {

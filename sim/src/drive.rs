@@ -107,7 +107,7 @@ impl<D: Behaves + Default, A: Moving> VirtualDrive<D, A> {
     }
 
     /// Takes the power away and gives it back at once: everything that is not stored is lost, frames under way too. The
-    /// motor stays where it is mounted but counts from 0 again, as a drive without an encoder does.
+    /// motor stays where it is mounted but counts from 0 again, as a drive without an encoder does, or from the zero of an absolute encoder.
     pub fn power_cycle(&mut self) {
         let store = self.node.store_mut().take();
         (self.node, self.control) = firmware(self.serial_number, &self.power_up, store);
@@ -219,6 +219,7 @@ impl<D: Behaves + Default, A: Moving> VirtualDrive<D, A> {
         let Some(servo) = self.plant.servo_mut() else {
             return;
         };
+        let rated = servo.rated();
         let (mut settings, mut request) = self
             .servo_objects
             .read(self.node.device().node().dictionary());
@@ -233,6 +234,7 @@ impl<D: Behaves + Default, A: Moving> VirtualDrive<D, A> {
         self.servo_objects
             .show(self.node.dictionary_mut(), servo.loops().found());
         ServoObjects::show_lead(self.node.dictionary_mut(), servo.loops().lead());
+        ServoObjects::show_rated(self.node.dictionary_mut(), rated);
     }
 
     /// Lets the node do what there is to do. Returns when it wants to run again.

@@ -9,7 +9,9 @@ from canopen.profiles.p402 import BaseNode402
 from conftest import NODE_ID, ROOT, Starts, once
 from drive import ENABLE, OPERATION_ENABLED, SHUTDOWN, SWITCH_ON, Drive
 from measure import level
+from stm32f405.engine import FLASH
 from stm32f405.interrupts import IRQ
+from unicorn import UC_HOOK_BLOCK
 
 PROFILE_TORQUE, PROFILE_POSITION = 4, 1
 #: Clocks of a period of the modulation.
@@ -105,6 +107,40 @@ def interrupts_are_short(chip, periods, more=0, modulation=PERIOD):
     # Widths are written in their half of a period, also where the loops come before.
     assert max(current) + masked < modulation / 2
     assert max(current) < CURRENT and max(loops) < LOOPS and masked < MASKED
+def current_interrupts(chip, periods, more=0):
+    """The clocks that the interrupt of the converters takes in each of these periods, by the model of cost. `more`: how often it comes in a period beside the one."""
+    core, number, clocks = chip.core, 16 + IRQ["ADC"], []
+    core.count_cost()
+    served = core.counts[number]
+    # From the end of one on, so that none is in two periods.
+    assert chip.run(PERIOD, lambda: core.counts[number] > served and number not in (n for n, _, _ in core.active))
+    begin, served = chip.time, core.counts[number]
+    for period in range(1, periods + 1):
+        before = core.shares.clocks[level(7)]
+        chip.run(begin + period * PERIOD - chip.time)
+        clocks.append(core.shares.clocks[level(7)] - before)
+    assert core.counts[number] - served == periods * (1 + more)
+    print(f"{sum(clocks) / periods:.0f} clocks in the mean, {max(clocks)} at most")
+    return clocks
+
+
+def in_flash(chip, periods):
+    """The functions in flash that the interrupt of the converters has run in each of these periods."""
+    core, functions, seen = chip.core, [], set()
+
+    def on_block(_uc, address, _size, _):
+        if core.active and core.active[-1][0] == 16 + IRQ["ADC"] and address >= FLASH:
+            seen.add(chip.image.function(address))
+
+    core.uc.hook_add(UC_HOOK_BLOCK, on_block)
+    core.uc.ctl_flush_tb()
+    served = core.counts[16 + IRQ["ADC"]]
+    for _ in range(periods):
+        seen.clear()
+        chip.run(PERIOD)
+        functions.append(set(seen))
+    assert core.counts[16 + IRQ["ADC"]] - served >= periods
+    return functions
 
 
 class Kind:
@@ -135,7 +171,7 @@ class Kind:
             bench.chip.run(20_000_000, lambda: bench.frames)
             bench.milliseconds(60)
             drive = commanded(bench)
-            drive[0x6075], drive[0x6076] = self.rated
+            assert (drive[0x6075], drive[0x6076]) == self.rated
             return bench
 
         return once(self.image, boot)

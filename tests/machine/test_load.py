@@ -147,4 +147,4 @@ def test_a_full_bus_and_the_fastest_pulses_leave_most_of_the_processor(drive, ra
     # A refill that is as late as this finds pulses for as long again.
     assert waited["refill"] < 120
     # Half of what there is.
-    assert stack < 32 * 1024
+    assert stack < 24 * 1024

@@ -2,10 +2,13 @@
 
 import pytest
 from drive import ENABLE, PROFILE_POSITION
+from program import LOOP, NOTE, Program
 from stm32f405 import MS, US, Breach, Chip
 from stm32f405.bxcan import ABOM, BOFF, TTCM, Frame
 from stm32f405.can_filters import match
 from stm32f405.engine import CCM
+from stm32f405.exti import LOW_RAM
+from unicorn import UcError
 
 RCC, GPIOA, DMA2, TIM3 = 0x2_3800, 0x2_0000, 0x2_6400, 0x400
 CR1, SMCR, CCMR1, CCER, CNT, ARR = 0x00, 0x08, 0x18, 0x20, 0x24, 0x2C
@@ -89,6 +92,8 @@ FORBIDDEN = [
     ("injected conversions in parts", 0x4001_2004, 4, 1 << 12, "CR1 .* 0x1000 do"),
     ("two converters in turn", 0x4001_2304, 4, 6, "CCR .* 0x6 do"),
     ("an interrupt by a pin that floats", 0x4001_3C00, 4, 1 << 4, "PA4, which floats"),
+    ("system memory at address 0", 0x4001_3800, 4, 1, "MEMRMP"),
+    ("RAM where vectors are fetched from", 0x4001_3800, 4, 3, "vectors"),
     ("a stream in memory that it cannot reach", 0x4002_6488, 4, 6 << 25 | 2 << 13 | 2 << 11 | 1 << 10 | 1 << 8 | 1 << 6 | 1, "cannot reach"),
 ]
 
@@ -110,6 +115,29 @@ def test_what_is_forbidden_or_not_modelled_is_told(chip, address, size, value, t
         chip.store(address - 0x4000_0000, size, value)
     with pytest.raises(Breach, match=told):
         chip.check()
+
+
+def test_flash_is_at_0_and_once_it_is_mapped_the_ram_until_a_reset(chip):
+    read, flash = chip.core.uc.mem_read, chip.engine.flash[:64]
+    assert read(0, 64) == flash
+    program = Program(chip, "")
+    chip.store(RCC + 0x44, 4, 1 << 14)
+    chip.store(0x1_3800, 4, LOW_RAM)
+    chip.check()
+    # What is written at one of its addresses is fetched from the other.
+    code = bytes.fromhex(NOTE + LOOP)
+    chip.core.uc.mem_write(0x2000_1000, code)
+    assert read(0x1000, len(code)) == code
+    twin = chip.copy()
+    chip.core.pc = 0x1001
+    assert program.run().log() == [-16]
+    assert chip.engine.ram[0x1_BFFC:0x1_C000] == read(0x1_BFFC, 4)
+    with pytest.raises(UcError):
+        read(0x1_C000, 4)
+    chip.reset("of a test")
+    assert read(0, 64) == flash
+    assert twin.core.uc.mem_read(0x1000, len(code)) == code
+    twin.leave()
 
 
 def test_a_pin_that_floats_reads_as_anything(chip):

@@ -11,8 +11,8 @@ from stm32f405.image import Image
 from test_servo import begin as begin_servo
 from test_stepper import begin as begin_stepper
 
-#: What thousandths of torque of the LMD are of, in mN·m: those of its axis.
-RATED_TORQUE = 890
+#: What thousandths of torque of the LMD are of, in mN·m: the motor of the board.
+RATED_TORQUE = 311
 
 
 class Product:

@@ -4,12 +4,13 @@ import pytest
 from drive import FAULT, FAULT_RESET, OPERATION_ENABLED
 from gate_driver import CONTROL_1, CONTROL_2, GateDriver
 from motor import Motor
-from servo_bench import PROFILE_POSITION, Kind, commanded, enable, hold, interrupts_are_short, move, on_the_way, starting
+from servo_bench import PROFILE_POSITION, Kind, commanded, enable, hold, in_flash, interrupts_are_short, move, on_the_way, starting
 from stm32f405 import HZ
 from stm32f405.image import Image
 
-#: The rated torque of the motor, in mN·m.
+#: The rated torque of the motor, in mN·m, behind its current in mA.
 RATED = 320
+RATINGS = (4_000, RATED)
 
 
 def begin(start, **how):
@@ -26,7 +27,7 @@ def begin(start, **how):
 
 @pytest.fixture(scope="module")
 def kind(pytestconfig):
-    return Kind(Image(pytestconfig.getoption("--servo-image")), begin, (4_000, RATED))
+    return Kind(Image(pytestconfig.getoption("--servo-image")), begin, RATINGS)
 
 
 @pytest.fixture(scope="module")
@@ -133,3 +134,8 @@ def test_the_interrupts_are_short(found):
 def test_they_are_in_a_move_too(found):
     on_the_way(found, 100_000, 100_000)
     interrupts_are_short(found.chip, 20)
+
+
+def test_what_the_current_interrupt_does_in_each_period_runs_in_ram(found):
+    hold(found, 300)
+    assert not set.intersection(*in_flash(found.chip, 10))

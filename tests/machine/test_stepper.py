@@ -5,7 +5,7 @@ from bridge_driver import BridgeDriver
 from conftest import NODE_ID
 from drive import FAULT, FAULT_RESET, OPERATION_ENABLED
 from motor import Stepper
-from servo_bench import PROFILE_POSITION, Kind, commanded, enable, hold, interrupts_are_short, move, on_the_way, starting
+from servo_bench import PROFILE_POSITION, Kind, commanded, enable, hold, in_flash, interrupts_are_short, move, on_the_way, starting
 from stm32f405 import HZ
 from stm32f405.image import Image
 from test_end import ENDS
@@ -14,6 +14,8 @@ from tuner import tune
 #: The rated torque of the motor, in mN·m, and what it holds at that current.
 RATED = 311
 HOLDING = RATED * 1e-3
+#: 6075h and 6076h.
+RATINGS = (1_700, RATED)
 #: Bit 11 and bit 10 of the statusword.
 INTERNAL_LIMIT, TARGET_REACHED = 1 << 11, 1 << 10
 #: 20C4h:1: what is held back is made up while the demand is at rest.
@@ -35,7 +37,7 @@ def begin(start, **how):
 
 @pytest.fixture(scope="module")
 def kind(pytestconfig):
-    return Kind(Image(pytestconfig.getoption("--stepper-image")), begin, (1_700, RATED))
+    return Kind(Image(pytestconfig.getoption("--stepper-image")), begin, RATINGS)
 
 
 @pytest.fixture(scope="module")
@@ -183,3 +185,8 @@ def test_they_are_in_a_move_too_however_the_lead_is_bound(found, way):
     found.bench.milliseconds(20)
     on_the_way(found, 20_000, 40_960)
     interrupts_are_short(found.chip, 20, more=1)
+
+
+def test_what_the_current_interrupt_does_in_each_period_runs_in_ram(found):
+    hold(found, 300)
+    assert not set.intersection(*in_flash(found.chip, 10))

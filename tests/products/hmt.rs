@@ -175,6 +175,40 @@ fn the_lmd_gives_the_torque_that_it_is_asked_for() {
 }
 
 #[test]
+fn thousandths_of_the_lmd_are_of_the_motor_that_is_there() {
+    for (axis, rated) in [("nema17", 1.7), ("nema23", 4.2)] {
+        let mut bench = enabled(on_servo("lmd", axis), 4);
+        hold(&mut bench);
+        bench.write(NODE, 0x6071, 0, &200_i16.to_le_bytes());
+        bench.run(500);
+        let truly = current(&mut bench) / rated * 1e3;
+        assert!((truly - 200.0).abs() < 2.0, "{axis}: {truly}");
+        let told = bench.read(NODE, 0x6077, 0) as i16;
+        assert!((told - 200).abs() <= 1, "{axis}: {told}");
+    }
+}
+
+#[test]
+fn a_rotor_of_the_lmd_that_is_held_has_the_whole_torque_whatever_its_velocity_may_be() {
+    for (axis, rated, velocity) in [
+        ("nema17", 1.7, 98_u8),
+        ("nema23", 4.2, 98),
+        ("nema23", 4.2, 255),
+    ] {
+        let mut bench = on_servo("lmd", axis);
+        bench.write(NODE, 0x2704, 0, &[velocity]);
+        let mut bench = enabled(bench, 4);
+        hold(&mut bench);
+        for target in [1_000_i16, -1_000] {
+            bench.write(NODE, 0x6071, 0, &target.to_le_bytes());
+            bench.run(2_500);
+            let truly = current(&mut bench) / rated * 1e3;
+            assert!((truly - f64::from(target)).abs() < 10.0, "{axis}: {truly}");
+        }
+    }
+}
+
+#[test]
 fn the_torque_of_the_lmd_ends_at_its_velocity() {
     for limit in [98_u8, 198] {
         let mut bench = lmd(true);

@@ -124,6 +124,31 @@ fn the_lines_of_the_encoder_are_those_of_the_s200() {
     }
 }
 
+/// As the power comes 6064h is the angle in its own counts, whatever lines an encoder in place of this one would have.
+#[test]
+fn an_absolute_encoder_begins_in_the_counts_of_the_s200() {
+    for turns in [0.1_f64, 0.7] {
+        let mut data = ServoAxisData::named("servo_100w_absolute").unwrap();
+        data.start = turns * std::f64::consts::TAU;
+        let setup = Setup {
+            axis: Some(Axis::bare_servo(&data)),
+            ..Setup::with_node_id(1, NODE)
+        };
+        let mut bench = Bench::new("s200", setup);
+        set(&mut bench, 0x38FA, 2_500);
+        bench.run(20);
+        let expected = (turns * 65_536.0) as i32;
+        assert!((position(&mut bench) - expected).abs() <= 1, "{turns}");
+        number(&mut bench, 0x6080, 0, 2_500);
+        let mut bench = enabled(bench, 1);
+        begin(&mut bench, expected + 20_000, 655_360, 6_553_600);
+        bench.run(1_000);
+        let stands = plant(&mut bench).angle() / std::f64::consts::TAU;
+        let way = (stands - turns) * 65_536.0;
+        assert!((way - 20_000.0).abs() <= 14.0, "{way}");
+    }
+}
+
 /// CommMode: by the Hall sensors nothing moves before the torque; by the encoder alone the magnet is looked for, and a Hall sensor may say anything.
 #[test]
 fn the_commutation_of_the_s200_has_its_source() {

@@ -1,7 +1,7 @@
 //! What tells where the magnet is: Hall sensors, or an absolute encoder. Nothing is looked for, and what they cannot say is fault 7305h.
 
 use servo_plant::SensorFaults;
-use sim::plant::{Magnet, ServoAxisData};
+use sim::plant::{Axis, Magnet, ServoAxisData, eccentricity_table};
 use std::f64::consts::TAU;
 use tests::drive::{OPERATION_ENABLED, ServoBench};
 
@@ -79,6 +79,41 @@ fn m45_an_encoder_alone_looks_for_the_magnet() {
     assert!(OPERATION_ENABLED.is_shown_by(drive.statusword()));
 }
 
+/// How far the rotor moves while it is enabled in profile torque, in rad, on the axis of a file that stands at 500 of 10,000 counts.
+fn moves_when_enabled(feedback: &str) -> (i32, f64) {
+    let text = format!("start = 500\n[servo]\naxis = \"servo_100w\"\nfeedback = {feedback}\n");
+    let mut drive = ServoBench::on(Axis::from_toml(&text).unwrap());
+    let begun = drive.read_i32(0x6064, 0);
+    let from = drive.plant().angle();
+    assert!((from - 0.05 * TAU).abs() < 1e-9);
+    drive.write_u8(0x6060, 0, 4);
+    drive.enable();
+    let mut most = 0.0_f64;
+    for _ in 0..2_000 {
+        drive.run_millis(1);
+        most = most.max(moved(&mut drive, from).abs());
+    }
+    drive.stays_in(OPERATION_ENABLED, 30);
+    (begun, most)
+}
+
+#[test]
+fn m45_the_file_of_an_axis_says_what_tells_where_the_magnet_is() {
+    let (begun, most) = moves_when_enabled("\"incremental\"");
+    assert!(begun == 0 && most > 0.05, "{begun}, {most}");
+    let (begun, most) = moves_when_enabled("\"hall\"");
+    assert!(begun == 0 && most < 1e-3, "{begun}, {most}");
+    let (begun, most) =
+        moves_when_enabled("\"absolute\"\nbits = 14\neccentricity_mrad = 30\ntable = true");
+    assert!(
+        (498..=502).contains(&begun) && most < 1e-3,
+        "{begun}, {most}"
+    );
+    // Without the table it shows 30 mrad times the sine of 18 degrees too much: 15 counts.
+    let (begun, _) = moves_when_enabled("\"absolute\"\neccentricity_mrad = 30");
+    assert!((513..=517).contains(&begun), "{begun}");
+}
+
 #[test]
 fn m45_from_the_first_edge_of_a_hall_sensor_on_the_torque_is_whole() {
     let mut drive = turning(HALL);
@@ -105,21 +140,13 @@ fn m45_a_magnet_that_is_not_found_is_a_fault() {
     fails(&mut drive, 5_000, &[0x7305]);
 }
 
-/// The table of a magnet whose word is too great by `off · sin` of the true angle.
-fn table(off: f64) -> &'static [i32; 64] {
-    let mut table = NO_ERROR;
-    for (entry, error) in table.iter_mut().enumerate() {
-        let shown = entry as f64 / 64.0 * TAU;
-        let angle = (0..30).fold(shown, |angle: f64, _| shown - off * angle.sin());
-        *error = ((shown - angle) / TAU * 4_294_967_296.0) as i32;
-    }
-    Box::leak(Box::new(table))
-}
-
 #[test]
 fn m45_a_table_takes_out_what_a_magnet_off_its_centre_shows() {
     // 0.02 rad are 32 counts of 10,000.
-    for (table, least, most) in [(&NO_ERROR, 28.0, 36.0), (table(0.02), 0.0, 4.5)] {
+    for (table, least, most) in [
+        (&NO_ERROR, 28.0, 36.0),
+        (eccentricity_table(0.02), 0.0, 4.5),
+    ] {
         let drive = ServoBench::on_changed(ABSOLUTE, |data| {
             data.magnet = Magnet::Absolute(table);
             data.plant.sensors.eccentricity = 0.02;

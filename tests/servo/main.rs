@@ -1,5 +1,6 @@
 //! A drive whose motor is moved by its current: torque modes, torque limits, the other modes on a loop, and what makes it stop.
 
+mod absolute;
 mod cyclic;
 mod faults;
 mod feedback;
@@ -8,6 +9,7 @@ mod limits;
 mod loops;
 mod modes;
 mod objects;
+mod software_limit;
 mod stepper;
 mod torque;
 mod tuning;

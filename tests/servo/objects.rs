@@ -1,5 +1,6 @@
 //! What thousandths are of, what is told of the bus, and the modes that the other files do not enter.
 
+use sim::plant::{AXES, Axis};
 use tests::drive::{INTERNAL_LIMIT, OPERATION_ENABLED, ServoBench};
 
 use super::cyclic::{bytes, period};
@@ -22,6 +23,26 @@ fn m45_thousandths_are_of_6075h_and_6076h() {
         assert!((current - 0.8 * share).abs() < 0.02, "{current} A");
         let told = f64::from(drive.read_i16(0x6078, 0));
         assert!((told - 200.0 * share).abs() < 3.0, "6078h is {told}");
+    }
+}
+
+#[test]
+fn m45_thousandths_are_of_the_motor_that_is_there_unless_a_master_says_more() {
+    for axis in AXES {
+        let rated = (
+            (axis.rated_current * 1e3).round() as u32,
+            axis.rated_torque(),
+        );
+        let mut drive = ServoBench::on(Axis::bare_servo(&axis));
+        let told = [0x6075, 0x6076].map(|index| drive.read_u32(index, 0));
+        assert_eq!(told, [rated.0, rated.1], "{}", axis.name);
+        let mut drive = enable(drive, 4);
+        hold(&mut drive);
+        drive.write_i16(0x6071, 0, 100);
+        drive.run_millis(300);
+        let share = drive.plant().current()[1] / f64::from(axis.rated_current);
+        assert!((share - 0.1).abs() < 0.002, "{}: {share}", axis.name);
+        assert!((torque(&mut drive) - 100).abs() <= 1, "{}", axis.name);
     }
 }
 

@@ -31,6 +31,8 @@ const ODRIVE: &str = "odrive36,sin-squared,block-transfer";
 
 /// The same with its current loop at 40 kHz.
 const ODRIVE_40KHZ: &str = "odrive36,sin-squared,block-transfer,pwm-40khz";
+/// The same without what the compact image leaves out.
+const ODRIVE_FOR_SIZE: &str = "odrive36";
 
 /// The stepper in closed loop on the board with two full bridges, without logs.
 const STEPPER: &str = "stepper405,sin-squared,block-transfer";
@@ -49,6 +51,8 @@ pub enum Image {
     Odrive,
     /// The same with its current loop at 40 kHz.
     Odrive40khz,
+    /// The same for least size, as the compact image is built.
+    OdriveForSize,
     /// The stepper in closed loop on the board with two full bridges, without logs.
     Stepper,
     /// The smallest drive that is still a good one (`eds/compact.eds`), without logs.
@@ -77,6 +81,7 @@ impl Image {
             | Self::Whole
             | Self::Odrive
             | Self::Odrive40khz
+            | Self::OdriveForSize
             | Self::Stepper
             | Self::Compact
             | Self::Least
@@ -90,7 +95,7 @@ impl Image {
     /// The profile of Cargo.toml.
     fn profile(self) -> &'static str {
         match self {
-            Self::Compact | Self::Least | Self::BasicDeviceForSize => COMPACT,
+            Self::Compact | Self::Least | Self::OdriveForSize | Self::BasicDeviceForSize => COMPACT,
             _ => PROFILE,
         }
     }
@@ -102,6 +107,7 @@ impl Image {
             Self::NoPanic | Self::Whole => &["--no-default-features", "--features", WHOLE],
             Self::Odrive | Self::NoPanicServo => &["--no-default-features", "--features", ODRIVE],
             Self::Odrive40khz => &["--no-default-features", "--features", ODRIVE_40KHZ],
+            Self::OdriveForSize => &["--no-default-features", "--features", ODRIVE_FOR_SIZE],
             Self::Stepper => &["--no-default-features", "--features", STEPPER],
             Self::Compact | Self::Least | Self::BasicDeviceForSize => {
                 &["--no-default-features", "--features", "stm32f405"]
@@ -113,7 +119,9 @@ impl Image {
     /// Its board: the folder in `firmware/app/src/board`.
     pub fn board(self) -> &'static str {
         match self {
-            Self::Odrive | Self::Odrive40khz | Self::NoPanicServo => "odrive36",
+            Self::Odrive | Self::Odrive40khz | Self::OdriveForSize | Self::NoPanicServo => {
+                "odrive36"
+            }
             Self::Stepper => "stepper405",
             Self::Qemu | Self::Bench => "qemu",
             _ => "stm32f405",
@@ -156,6 +164,7 @@ impl Image {
             Self::Whole => "axis402-without-logs.elf",
             Self::Odrive => "axis402-odrive36.elf",
             Self::Odrive40khz => "axis402-odrive36-40khz.elf",
+            Self::OdriveForSize => "axis402-odrive36-for-size.elf",
             Self::Stepper => "axis402-stepper405.elf",
             Self::Compact => "axis402-compact.elf",
             Self::Least => "axis402-least.elf",

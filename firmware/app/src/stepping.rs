@@ -5,7 +5,7 @@
 
 use core::sync::atomic::{AtomicBool, Ordering};
 
-use cia402::{Emitter, EmitterLock, ServoOrder, ServoPort, ServoReport};
+use cia402::{Emitter, EmitterLock, RatedMotor, ServoOrder, ServoPort, ServoReport};
 use motion::{PulseSink, Record, Ticks};
 use spin::{Mutex, MutexGuard};
 
@@ -140,6 +140,10 @@ impl Pulses for SharedPulses {
 }
 
 impl ServoPort for SharedPulses {
+    fn motor(&self) -> RatedMotor {
+        self.with(|pulses| pulses.motor())
+    }
+
     fn order(&mut self, order: &ServoOrder) {
         self.with(|pulses| pulses.order(order));
     }

@@ -41,6 +41,9 @@ pub struct Inputs {
     /// Position in increments: pulses that really left, or the encoder. When the motor has power and stands, it has to be
     /// where the pulses lead, up to `position_tolerance`; anything else is the fault 8611h.
     pub position: i64,
+    /// Increments of a turn of an absolute encoder within which it knows its angle; `position` counts from its zero. 0 with any other encoder, and before it
+    /// has told its angle.
+    pub absolute_turn: u32,
     /// How far an encoder may be from where the pulses lead while the motor is held, in increments: two and a half full steps of
     /// a stepper motor, which loses four at a time. 0 where pulses are counted: none may be missing.
     pub position_tolerance: u32,

@@ -384,6 +384,11 @@ impl HomingConfiguration {
         self.has(7)
     }
 
+    /// 2030h:1 bit 9: home is the zero of an absolute encoder, and known from power-up.
+    pub const fn is_encoder_zero(&self) -> bool {
+        self.has(9)
+    }
+
     /// 2030h:1 bits 1 to 6, and the bounds.
     pub const fn settings(&self) -> homing::Settings {
         homing::Settings {

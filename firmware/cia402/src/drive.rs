@@ -4,6 +4,7 @@
 //! there are no refills, all), and publishes statusword, mode display and actual values together. `Drive::run` is the list of its steps; an
 //! early tick takes a part of them. The motor has power in operation enabled, quick stop active and fault reaction active, and nowhere else.
 
+mod absolute;
 mod command;
 mod in_step;
 mod network;
@@ -37,6 +38,7 @@ use crate::state_machine::{State, StateMachine};
 use crate::travel::SoftwareLimits;
 use crate::units::PositionFrame;
 
+use absolute::Origin;
 use in_step::Cyclic;
 use network::Network;
 use stopping::Power;
@@ -49,6 +51,8 @@ pub struct Drive<D = Everything, A = StepAxis> {
     configuration: Configuration,
     /// Which number of the user belongs to which increment.
     frame: PositionFrame,
+    /// Where it begins with an absolute encoder.
+    origin: Origin,
     /// Where the motor may go.
     limits: SoftwareLimits,
     machine: StateMachine,
@@ -136,6 +140,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
             commands: Commands::NONE,
             configuration: Configuration::NONE,
             frame: PositionFrame::new(),
+            origin: Origin::NotConfigured,
             limits: SoftwareLimits::new(),
             machine: StateMachine::new(),
             modes: Modes::new(),
@@ -277,6 +282,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         });
         if waiting.is_configured {
             exchange.lock(|exchange| exchange.take_configuration(&mut self.configuration));
+            self.await_origin();
         }
         if !is_early {
             let cyclic = &self.configuration.cyclic;
@@ -301,8 +307,7 @@ impl<D: Objects, A: Actuator> Drive<D, A> {
         A: AtPort<P>,
     {
         if !self.power.is_on() {
-            let is_reversed = self.configuration.is_reversed;
-            self.motor.set_reversed(is_reversed, inputs.position);
+            self.take_direction(inputs);
         }
         let position = self.motor.position_of(inputs.position);
         self.await_rotor(now, inputs);

@@ -373,6 +373,7 @@ mod tests {
         fault: None,
         digital: crate::inputs::DigitalInputs::NONE,
         stall: None,
+        absolute_turn: 0,
         position_tolerance: 0,
         supply_voltage: None,
         temperature: None,

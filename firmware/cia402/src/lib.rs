@@ -95,8 +95,8 @@ pub mod units;
 mod window_timer;
 
 pub use actuator::{
-    Actuator, AtPort, Emitter, EmitterLock, ServoAxis, ServoGoal, ServoOrder, ServoPort,
-    ServoReport, StepAxis,
+    Actuator, AtPort, Emitter, EmitterLock, RatedMotor, ServoAxis, ServoGoal, ServoOrder,
+    ServoPort, ServoReport, StepAxis,
 };
 pub use behaviour::{Behaves, Behaviour};
 pub use board::{Compare, DriveConfig, Inputs, Outputs};

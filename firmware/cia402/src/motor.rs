@@ -137,6 +137,12 @@ impl<A: Actuator> Motor<A> {
         }
     }
 
+    /// At power-up, with an absolute encoder: positions are its counts, in this direction.
+    pub(crate) const fn count_as_encoder(&mut self, is_reversed: bool) {
+        self.is_reversed = is_reversed;
+        self.shift = 0;
+    }
+
     /// Turns the direction round while there is no power; the board's count is `count`. The motor keeps its position, but the home position
     /// is no longer known.
     pub(crate) fn set_reversed(&mut self, is_reversed: bool, count: i64) {

@@ -245,6 +245,7 @@ impl Rig {
             fault: self.fault,
             digital: self.digital,
             stall: self.stall,
+            absolute_turn: 0,
             position_tolerance: self.position_tolerance,
             supply_voltage: self.supply_voltage,
             temperature: self.temperature,

@@ -44,10 +44,9 @@ impl Gains {
 
     /// # Errors
     /// With a gain below 0, above 10⁴, or that is NaN.
-    fn checked(self) -> Result<Self, Implausible> {
+    fn check(&self) -> Result<(), Implausible> {
         let gains = [self.position, self.velocity, self.integral];
-        let is_one = gains.iter().all(|gain| is_within(*gain, 0.0, 1e4));
-        is_one.then_some(self).ok_or(Implausible)
+        Implausible::unless(gains.iter().all(|gain| is_within(*gain, 0.0, 1e4)))
     }
 }
 
@@ -97,10 +96,10 @@ impl Limits {
 /// See the module.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cascade {
-    gains: Gains,
+    pub(crate) gains: Gains,
     period: f32,
     /// rad of a count.
-    count: f32,
+    pub(crate) count: f32,
     /// J / kt, in A per rad/s².
     inertia: f32,
     /// In A, in the direction of the motion.
@@ -116,42 +115,36 @@ pub struct Cascade {
 }
 
 impl Cascade {
-    /// For a motor that was checked, with a period in s.
+    /// For a motor that was checked and the current that its dry friction takes, in A, with a period in s.
     ///
     /// # Errors
-    /// With a period outside 20 µs to 10 ms, or with invalid gains.
-    pub fn new(motor: &Motor, gains: Gains, period: f32) -> Result<Self, Implausible> {
-        let motor = motor.checked()?;
-        let gains = gains.checked()?;
-        let cascade = Self {
+    /// With a period outside 20 µs to 10 ms, with invalid gains, or with a friction below 0 or that is NaN.
+    pub fn new(
+        motor: &Motor,
+        gains: Gains,
+        friction: f32,
+        period: f32,
+    ) -> Result<Self, Implausible> {
+        motor.check()?;
+        gains.check()?;
+        let inertia = motor.inertia / motor.torque_constant();
+        Implausible::unless(
+            is_within(period, 20e-6, 10e-3)
+                && is_within(friction, 0.0, 1e3)
+                && is_within(inertia, 0.0, 1e3),
+        )?;
+        Ok(Self {
             gains,
             period,
             count: core::f32::consts::TAU / motor.counts as f32,
-            inertia: motor.inertia / motor.torque_constant(),
-            friction: 0.0,
+            inertia,
+            friction,
             filters: [Filter::NONE; 2],
             sum: 0.0,
             away: 0.0,
             velocity_error: 0.0,
             is_limited: false,
-        };
-        let is_one = is_within(period, 20e-6, 10e-3) && is_within(cascade.inertia, 0.0, 1e3);
-        is_one.then_some(cascade).ok_or(Implausible)
-    }
-
-    /// With a low-pass and a notch for the current, and the current that dry friction takes, in A.
-    ///
-    /// # Errors
-    /// With a friction below 0 or that is NaN.
-    pub fn with(self, low_pass: Filter, notch: Filter, friction: f32) -> Result<Self, Implausible> {
-        let filters = [low_pass, notch];
-        is_within(friction, 0.0, 1e3)
-            .then_some(Self {
-                friction,
-                filters,
-                ..self
-            })
-            .ok_or(Implausible)
+        })
     }
 
     /// Other gains, from the next period on. The integral takes the step that they would make in the current.
@@ -159,7 +152,7 @@ impl Cascade {
     /// # Errors
     /// With invalid gains; those of before stay.
     pub fn set_gains(&mut self, gains: Gains) -> Result<(), Implausible> {
-        let gains = gains.checked()?;
+        gains.check()?;
         let before = self.gains.velocity * self.velocity_error;
         self.velocity_error += (gains.position - self.gains.position) * self.away;
         let after = gains.velocity * self.velocity_error;
@@ -178,11 +171,15 @@ impl Cascade {
 
     /// Begins with the current that flows, in A.
     pub fn take_over(&mut self, current: f32, demand: &Demand, actual: Actual) {
-        self.compare(demand, actual);
-        self.sum = limit(limit(current, FASTEST) - self.at_once(demand), FASTEST);
-        for filter in &mut self.filters {
-            filter.settle(current);
-        }
+        let at_once = self.at_once(demand, actual);
+        self.sum = limit(limit(current, FASTEST) - at_once, FASTEST);
+        let [low_pass, notch] = self.filters;
+        self.set_filters(low_pass, notch, current);
+    }
+
+    /// The current for a velocity error, in A per rad/s.
+    pub(crate) fn push(&self) -> f32 {
+        self.gains.velocity * self.inertia
     }
 
     /// Whether the last current was cut to its limits.
@@ -192,11 +189,10 @@ impl Cascade {
 
     /// The current for this period, in A, within the limits.
     pub fn run(&mut self, demand: &Demand, actual: Actual, limits: Limits) -> f32 {
-        self.compare(demand, actual);
+        let at_once = self.at_once(demand, actual);
         let least = -within(limits.negative, 0.0, FASTEST);
         let max = within(limits.positive, 0.0, FASTEST);
-        let at_once = self.at_once(demand);
-        let growth = self.gains.integral * self.gains.velocity * self.period * self.inertia;
+        let growth = self.gains.integral * self.period * self.push();
         let sum = self.sum + growth * self.velocity_error;
         // The integral grows within the limits only, or back towards them.
         let wanted = at_once + sum;
@@ -212,26 +208,21 @@ impl Cascade {
         between(current, least, max)
     }
 
-    /// Takes the errors of position and velocity.
-    #[inline]
-    fn compare(&mut self, demand: &Demand, actual: Actual) {
+    /// Takes the errors of position and velocity. Gives all but the integral, in A.
+    #[inline(never)]
+    fn at_once(&mut self, demand: &Demand, actual: Actual) -> f32 {
         self.away = demand.position.map_or(0.0, |position| {
             let away = position.saturating_sub(actual.position);
             let away = away.clamp(-FARTHEST, FARTHEST) as i32 as f32;
             // The middle of a count is where the rotor is, as far as it is known.
             self.count * (away + within(demand.part, 0.0, 1.0) - 0.5)
         });
-        let wanted = limit(demand.velocity, FASTEST) + self.gains.position * self.away;
-        self.velocity_error = limit(wanted, FASTEST) - limit(actual.velocity, FASTEST);
-    }
-
-    /// All but the integral, in A.
-    #[inline]
-    fn at_once(&self, demand: &Demand) -> f32 {
-        let velocity = limit(demand.velocity, FASTEST);
+        let ahead = limit(demand.velocity, FASTEST);
+        let wanted = limit(ahead + self.gains.position * self.away, FASTEST);
+        self.velocity_error = wanted - limit(actual.velocity, FASTEST);
         let acceleration = limit(demand.acceleration, QUICKEST);
-        let friction = limit(velocity * 1e3, 1.0) * self.friction;
-        let push = acceleration + self.gains.velocity * self.velocity_error;
-        push * self.inertia + friction + limit(demand.current, FASTEST)
+        let friction = limit(ahead * 1e3, 1.0) * self.friction;
+        let pushes = acceleration * self.inertia + self.push() * self.velocity_error;
+        pushes + friction + limit(demand.current, FASTEST)
     }
 }

@@ -113,15 +113,16 @@ pub struct Control {
     torque_constant: f32,
     /// What is left of a difference to what is shown, a period later.
     shows: f32,
-    config: ControlConfig,
+    /// Of the control, in s.
+    period: f32,
+    bus: Bus,
+    derating: Derating,
     cascade: Cascade,
     /// Holds positions in place of the loops.
     stepper: Option<Stepper>,
     /// Of the motor, and of the stage.
     thermal: [Thermal; 2],
     watch: Watch,
-    /// rad of a count.
-    count: f32,
     order: Option<Order>,
     /// What is added to the current that is asked for, in A.
     chirp: Option<Chirp>,
@@ -131,6 +132,8 @@ pub struct Control {
     beyond: f32,
     /// What was wanted of the current last, in A.
     wanted: f32,
+    /// How fast the rotor was then, in rad/s.
+    velocity: f32,
     /// Where the rotor was then, and how fast the field of a stepper is to turn, in electrical rad/s.
     field: Option<(Angle, f32)>,
     holder: Holder,
@@ -146,31 +149,29 @@ impl Control {
     /// # Errors
     /// With what [`Cascade::new`], [`Thermal::new`], [`Blocked::new`](crate::protection::Blocked::new) and [`PhaseLoss::new`](crate::protection::PhaseLoss::new) refuse, or a greatest speed outside 1 to 10⁴ rad/s.
     pub fn new(motor: &Motor, config: ControlConfig) -> Result<Self, Implausible> {
-        let motor = motor.checked()?;
         let period = config.period;
-        let filter = Filter::NONE;
-        let cascade =
-            Cascade::new(&motor, config.gains, period)?.with(filter, filter, config.friction)?;
         let (rated, peak) = (motor.rated_current, motor.peak_current);
         let (stage, stage_time) = config.stage;
         Ok(Self {
             torque_constant: motor.torque_constant(),
             shows: fade(1.0 / SHOWN, period),
-            motor,
-            config,
-            cascade,
+            motor: *motor,
+            period,
+            bus: config.bus,
+            derating: config.derating,
+            cascade: Cascade::new(motor, config.gains, config.friction, period)?,
             stepper: None,
             thermal: [
                 Thermal::new(rated, peak, config.peak_time, period)?,
                 Thermal::new(stage, peak, stage_time, period)?,
             ],
-            watch: Watch::new(&motor, &config)?,
-            count: core::f32::consts::TAU / motor.counts as f32,
+            watch: Watch::new(motor, &config)?,
             order: None,
             chirp: None,
             since: 0.0,
             beyond: 0.0,
             wanted: 0.0,
+            velocity: 0.0,
             field: None,
             holder: Holder::Current,
             is_limited: false,
@@ -202,9 +203,8 @@ impl Control {
     /// # Errors
     /// With what [`Stepper::new`] refuses; what was before stays.
     pub fn set_stepper(&mut self, config: Option<StepperConfig>) -> Result<(), Implausible> {
-        let period = self.config.period;
         self.stepper = match config {
-            Some(config) => Some(Stepper::new(&self.motor, config, period)?),
+            Some(config) => Some(Stepper::new(&self.motor, config, self.period)?),
             None => None,
         };
         self.holder = Holder::Current;
@@ -217,7 +217,7 @@ impl Control {
     /// With what [`Stepper::new`] refuses; what was before stays.
     pub fn change_stepper(&mut self, config: StepperConfig) -> Result<(), Implausible> {
         if let Some(stepper) = &mut self.stepper {
-            let mut next = Stepper::new(&self.motor, config, self.config.period)?;
+            let mut next = Stepper::new(&self.motor, config, self.period)?;
             next.go_on_from(stepper);
             *stepper = next;
         }
@@ -229,9 +229,7 @@ impl Control {
     /// # Errors
     /// With what [`Blocked::new`](crate::protection::Blocked::new) refuses; what was before stays.
     pub fn set_blocked(&mut self, blocked: (f32, f32)) -> Result<(), Implausible> {
-        self.watch.set_blocked(blocked, self.config.period)?;
-        self.config.blocked = blocked;
-        Ok(())
+        self.watch.set_blocked(blocked, self.period)
     }
 
     /// What is to be done from now on, as of so many s ago.
@@ -245,9 +243,7 @@ impl Control {
     /// # Errors
     /// With what [`Cascade::set_gains`] refuses; those of before stay.
     pub fn set_gains(&mut self, gains: Gains) -> Result<(), Implausible> {
-        self.cascade.set_gains(gains)?;
-        self.config.gains = gains;
-        Ok(())
+        self.cascade.set_gains(gains)
     }
 
     /// Another low-pass and notch of the current that the velocity loop asks for, from the next period on; they go on from what is asked for now.
@@ -267,15 +263,17 @@ impl Control {
 
     /// Whether the brake chopper is to be on at this voltage of the bus.
     pub fn chops(&mut self, bus: f32) -> bool {
-        self.config.bus.run(bus)
+        self.bus.run(bus)
     }
 
     /// The share of the time for which a brake chopper is to be on, as [`Bus::chopping`].
     pub fn chopping(&self, bus: f32) -> f32 {
-        self.config.bus.chopping(bus)
+        self.bus.chopping(bus)
     }
 
     /// Ends everything: the gates are to be off.
+    #[cold]
+    #[inline(never)]
     pub fn fail(&mut self, fault: Fault) {
         self.fault.get_or_insert(fault);
     }
@@ -294,11 +292,13 @@ impl Control {
             return Err(fault);
         }
         let actual = self.actual(seen);
-        let (pushes, share) = (self.pushes(), self.config.derating.share(temperature));
-        let is_fed = !self.config.bus.is_sunk(seen.bus);
+        let velocity = actual.velocity;
+        let gained = velocity - core::mem::replace(&mut self.velocity, velocity);
+        let (pushes, share) = (self.pushes(), self.derating.share(temperature));
+        let is_fed = !self.bus.is_sunk(seen.bus);
         let found = match share {
             _ if share <= 0.0 => Some(Fault::Temperature),
-            _ => self.watch.run(seen, is_fed, pushes, actual.velocity),
+            _ => self.watch.run(&self.motor, seen, is_fed, pushes, velocity),
         };
         // What is held at rest by less than all is not blocked.
         let found = found.filter(|fault| *fault != Fault::Blocked || self.is_limited);
@@ -307,10 +307,7 @@ impl Control {
             return Err(fault);
         }
         let current = seen.current;
-        self.shown = Rotor {
-            d: current.d + self.shows * (self.shown.d - current.d),
-            q: current.q + self.shows * (self.shown.q - current.q),
-        };
+        self.shown = self.shown.fading_to(current, self.shows);
         let [motor, stage] = &mut self.thermal;
         let square = current.square();
         let heat = lesser(motor.run(square), stage.run(square));
@@ -335,7 +332,7 @@ impl Control {
         if is_new && holder == Holder::Loops {
             self.cascade.take_over(self.wanted, &demand, actual);
         }
-        self.since += self.config.period;
+        self.since += self.period;
         let mut along = 0.0;
         self.field = None;
         let wanted = match holder {
@@ -350,7 +347,7 @@ impl Control {
                 wanted
             }
             Holder::Current => {
-                let limits = self.below_speed(limits, order.speed, actual.velocity);
+                let limits = self.below_speed(limits, order.speed, (actual.velocity, gained));
                 let asked = limit(demand.current, 1e4);
                 let given = between(asked, -limits.negative, limits.positive);
                 self.is_limited = given != asked;
@@ -371,6 +368,7 @@ impl Control {
     }
 
     /// How much of I²t is spent, of the motor or the stage, whichever is more: 0 to 1.
+    #[inline(never)]
     pub fn heat(&self) -> f32 {
         let [motor, stage] = &self.thermal;
         motor.share().max(stage.share())
@@ -387,24 +385,28 @@ impl Control {
             demand: self.wanted * constant,
             torque,
             current: if current.q < 0.0 { -size } else { size },
-            velocity: self.actual(seen).velocity / self.count,
+            velocity: self.actual(seen).velocity / self.cascade.count,
             is_limited: self.is_limited,
             lead: self.lead_angle(),
             is_hot: self.is_hot(),
         }
     }
 
+    /// By how many full steps the field of a stepper leads the rotor, where one holds it.
+    fn field_lead(&self) -> Option<f32> {
+        let stepper = self.stepper.as_ref()?;
+        (self.holder == Holder::Field).then(|| stepper.lead())
+    }
+
     /// By how many full steps the field of a stepper is to lead the rotor; 0 where none does.
     pub fn lead_angle(&self) -> f32 {
-        match (&self.stepper, self.holder) {
-            (Some(stepper), Holder::Field) if self.fault.is_none() => stepper.lead(),
-            _ => 0.0,
-        }
+        let lead = self.field_lead().filter(|_| self.fault.is_none());
+        lead.unwrap_or(0.0)
     }
 
     /// The heat has come near its bound.
     pub fn is_hot(&self) -> bool {
-        self.thermal.iter().any(|thermal| thermal.share() > 0.9)
+        self.heat() > 0.9
     }
 
     fn actual(&self, seen: &Snapshot) -> Actual {
@@ -438,8 +440,8 @@ impl Control {
         let demand = Demand {
             position: Some(counts.saturating_add(whole.into())),
             part: self.beyond - whole as f32,
-            velocity: (velocity + acceleration * since + order.velocity_ahead) * self.count,
-            acceleration: acceleration * self.count,
+            velocity: (velocity + acceleration * since + order.velocity_ahead) * self.cascade.count,
+            acceleration: acceleration * self.cascade.count,
             current,
         };
         (demand, true)
@@ -449,7 +451,7 @@ impl Control {
     fn limits(&self, heat: f32, velocity: f32, bus: f32) -> Limits {
         let (positive, negative) = self.order.map_or((0.0, 0.0), |order| order.max_torque);
         let by_torque = 1.0 / self.torque_constant;
-        let braking = self.config.bus.braking(bus);
+        let braking = self.bus.braking(bus);
         // Slow motion gives nothing back: what brakes there is lost in the winding.
         let brakes = velocity.abs() > 1.0;
         let within = |torque: f32, is_braking: bool| {
@@ -466,23 +468,30 @@ impl Control {
         }
     }
 
-    /// What is left of the limits before a speed, in counts/s.
-    fn below_speed(&self, limits: Limits, speed: f32, velocity: f32) -> Limits {
-        let max = limit(speed, 1e12) * self.count;
-        let push = self.config.gains.velocity * self.motor.inertia / self.torque_constant;
+    /// What is left of the limits before a speed, in counts/s, at a velocity that has changed by `gained` in a period. Below nine tenths of
+    /// the speed what is given grows: where the speed is so low that the loop would take less than the limit, a rotor that stands has all of it.
+    fn below_speed(&self, limits: Limits, speed: f32, (velocity, gained): (f32, f32)) -> Limits {
+        let max = limit(speed, 1e12) * self.cascade.count;
+        let push = self.cascade.push();
+        let rate = 0.25 * self.cascade.gains.velocity * self.period;
         // What brakes has the limit of its own direction.
-        let left = |room: f32, brakes: f32, limit: f32| between(push * room, -brakes, limit);
+        let left = |room: f32, given: f32, gained: f32, brakes: f32, limit: f32| {
+            let grown = given + push * (rate * (room - 0.1 * max) - gained);
+            between(grown.max(push * room), -brakes, limit)
+        };
+        let Limits { positive, negative } = limits;
+        let wanted = self.wanted;
         Limits {
-            positive: left(max - velocity, limits.negative, limits.positive),
-            negative: left(max + velocity, limits.positive, limits.negative),
+            positive: left(max - velocity, wanted, gained, negative, positive),
+            negative: left(max + velocity, -wanted, -gained, positive, negative),
         }
     }
 
     /// Whether the rotor is pushed as hard as it may be.
     fn pushes(&self) -> bool {
-        match (&self.stepper, self.holder) {
-            (Some(stepper), Holder::Field) => stepper.lead().abs() >= 1.0,
-            _ => self.wanted.abs() > 0.9 * self.motor.rated_current,
+        match self.field_lead() {
+            Some(lead) => lead.abs() >= 1.0,
+            None => self.wanted.abs() > 0.9 * self.motor.rated_current,
         }
     }
 }

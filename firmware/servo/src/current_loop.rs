@@ -266,8 +266,14 @@ impl CurrentLoop {
     ///
     /// # Errors
     /// The gates are to be off. It stays so until [`CurrentLoop::start`].
-    #[inline]
+    #[inline(never)]
     pub fn run(&mut self, sample: &Sample, demand: Rotor) -> Result<Widths, Trip> {
+        self.run_in_place(sample, demand)
+    }
+
+    /// The same within who calls it.
+    #[inline(always)]
+    pub(crate) fn run_in_place(&mut self, sample: &Sample, demand: Rotor) -> Result<Widths, Trip> {
         let by_bus = 1.0 / sample.bus;
         let turned = sample.angle.sine_cosine();
         let currents = self.clarke.phases(sample.currents);

@@ -5,6 +5,7 @@
 use crate::Angle;
 use crate::motor::Implausible;
 use crate::number::{is_within, limit};
+use crate::transform::direction;
 
 /// Currents are cut to this amount, in A.
 const MAX: f32 = 1e4;
@@ -30,11 +31,9 @@ impl Filter {
     /// # Errors
     /// With a frequency that is not from 10⁻⁴ to 0.45 of the rate, or a quality that is not from 0.1 to 100.
     pub fn low_pass(frequency: f32, quality: f32, period: f32) -> Result<Self, Implausible> {
-        let (cosine, alpha, half) = parts(frequency, quality, period)?;
-        // 1 − cos, without its rounding: 2 sin² of the half.
-        let (sine, _) = half.sine_cosine();
-        let pass = sine * sine;
-        Ok(Self::normed([pass, 2.0 * pass, pass], cosine, alpha))
+        let half = Half::of(frequency, period)?;
+        let pass = half.sine * half.sine;
+        half.second_order(pass, 2.0 * pass, quality)
     }
 
     /// Passes what is below a frequency in Hz, with one pole. The period is in s.
@@ -42,8 +41,7 @@ impl Filter {
     /// # Errors
     /// With a frequency that is not from 10⁻⁴ to 0.45 of the rate.
     pub fn first_low_pass(frequency: f32, period: f32) -> Result<Self, Implausible> {
-        let (_, _, half) = parts(frequency, 1.0, period)?;
-        let (sine, cosine) = half.sine_cosine();
+        let Half { sine, cosine } = Half::of(frequency, period)?;
         let by = 1.0 / (sine + cosine);
         let pass = sine * by;
         Ok(Self {
@@ -58,17 +56,8 @@ impl Filter {
     /// # Errors
     /// As [`Filter::low_pass`].
     pub fn notch(frequency: f32, quality: f32, period: f32) -> Result<Self, Implausible> {
-        let (cosine, alpha, _) = parts(frequency, quality, period)?;
-        Ok(Self::normed([1.0, -2.0 * cosine, 1.0], cosine, alpha))
-    }
-
-    fn normed(ahead: [f32; 3], cosine: f32, alpha: f32) -> Self {
-        let by = 1.0 / (1.0 + alpha);
-        Self {
-            ahead: ahead.map(|factor| factor * by),
-            back: [-2.0 * cosine * by, (1.0 - alpha) * by],
-            memory: [0.0; 2],
-        }
+        let half = Half::of(frequency, period)?;
+        half.second_order(1.0, -2.0 * half.cosine_of_whole(), quality)
     }
 
     /// Settles at this input.
@@ -98,15 +87,39 @@ impl Filter {
     }
 }
 
-/// Cosine of the angle that a period is of a turn of the frequency, half its sine by the quality, and half the angle.
-fn parts(frequency: f32, quality: f32, period: f32) -> Result<(f32, f32, Angle), Implausible> {
-    let turns = frequency * period;
-    if !(is_within(turns, 1e-4, 0.45) && is_within(quality, 0.1, 100.0)) {
-        return Err(Implausible);
+/// Half the angle that a period is of a turn of the frequency.
+struct Half {
+    sine: f32,
+    cosine: f32,
+}
+
+impl Half {
+    #[inline(never)]
+    fn of(frequency: f32, period: f32) -> Result<Self, Implausible> {
+        let turns = frequency * period;
+        Implausible::unless(is_within(turns, 1e-4, 0.45))?;
+        let (sine, cosine) = direction(Angle::from_turns(0.5 * turns));
+        Ok(Self { sine, cosine })
     }
-    let (sine, cosine) = Angle::from_turns(turns).sine_cosine();
-    let half = Angle::from_turns(turns * 0.5);
-    Ok((cosine, sine * 0.5 / quality, half))
+
+    /// Of the whole angle.
+    fn cosine_of_whole(&self) -> f32 {
+        1.0 - 2.0 * self.sine * self.sine
+    }
+
+    /// With the factors of the newest and the oldest input, and of that between.
+    #[inline(never)]
+    fn second_order(&self, outer: f32, middle: f32, quality: f32) -> Result<Filter, Implausible> {
+        Implausible::unless(is_within(quality, 0.1, 100.0))?;
+        let alpha = self.sine * self.cosine / quality;
+        let by = 1.0 / (1.0 + alpha);
+        let outer = outer * by;
+        Ok(Filter {
+            ahead: [outer, middle * by, outer],
+            back: [-2.0 * self.cosine_of_whole() * by, (1.0 - alpha) * by],
+            memory: [0.0; 2],
+        })
+    }
 }
 
 #[cfg(test)]

@@ -121,6 +121,7 @@ impl CurrentInterrupt {
     ///
     /// # Errors
     /// The gates are to be off, until [`CurrentLoop::start`].
+    #[inline(always)]
     pub fn run(&mut self, counts: &Counts) -> Result<Widths, Trip> {
         self.encoder.look(counts.timer);
         self.observer.look(self.encoder.angle());
@@ -139,7 +140,7 @@ impl CurrentInterrupt {
             *from = from.plus(*turned);
             demand = demand.turned(from.minus(sample.angle).sine_cosine());
         }
-        self.current.run(&sample, demand)
+        self.current.run_in_place(&sample, demand)
     }
 
     /// A period in which the field stands at an angle with a current along it, in A, wherever the rotor is. Encoder and observer are left alone.

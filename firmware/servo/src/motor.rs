@@ -19,6 +19,11 @@ impl Wiring {
             Self::ThreePhase => 3,
         }
     }
+
+    /// The torque in N·m of an ampere in q, with none in d, by pole pairs and flux in V·s: m/2 p ψ.
+    pub fn torque_constant(self, pole_pairs: u16, flux: f32) -> f32 {
+        self.phases() as f32 * 0.5 * f32::from(pole_pairs) * flux
+    }
 }
 
 /// A motor with permanent magnets: PMSM, BLDC, or a hybrid stepper.
@@ -50,28 +55,45 @@ pub struct Motor {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Implausible;
 
+impl Implausible {
+    /// # Errors
+    /// Unless it can be.
+    pub(crate) fn unless(can_be: bool) -> Result<(), Self> {
+        if can_be { Ok(()) } else { Err(Self) }
+    }
+}
+
 impl Motor {
-    /// The motor, if it can be one.
+    /// Whether it can be a motor.
     ///
     /// # Errors
     /// With 0 or more than 500 pole pairs; a resistance outside 1 mΩ to 1 kΩ; an inductance outside 1 µH to 1 H; a flux outside 1 µV·s to 10 V·s; a
     /// current outside 1 mA to 1 kA or a peak below the rated one; an inertia outside 10⁻⁹ to 1 kg·m²; counts outside 16 to 2²⁴.
-    pub fn checked(self) -> Result<Self, Implausible> {
-        let is_one = (1..=500).contains(&self.pole_pairs)
-            && is_within(self.resistance, 1e-3, 1e3)
-            && is_within(self.inductance_d, 1e-6, 1.0)
-            && is_within(self.inductance_q, 1e-6, 1.0)
-            && is_within(self.flux, 1e-6, 10.0)
-            && is_within(self.rated_current, 1e-3, 1e3)
-            && is_within(self.peak_current, self.rated_current, 1e3)
-            && is_within(self.inertia, 1e-9, 1.0)
-            && (16..=1 << 24).contains(&self.counts);
-        is_one.then_some(self).ok_or(Implausible)
+    pub fn check(&self) -> Result<(), Implausible> {
+        Implausible::unless(
+            (1..=500).contains(&self.pole_pairs)
+                && is_within(self.resistance, 1e-3, 1e3)
+                && is_within(self.inductance_d, 1e-6, 1.0)
+                && is_within(self.inductance_q, 1e-6, 1.0)
+                && is_within(self.flux, 1e-6, 10.0)
+                && self.rated_current >= 1e-3
+                && is_within(self.peak_current, self.rated_current, 1e3)
+                && is_within(self.inertia, 1e-9, 1.0)
+                && (16..=1 << 24).contains(&self.counts),
+        )
     }
 
-    /// The torque in N·m of an ampere in q, with none in d: m/2 p ψ.
+    /// The motor, if it can be one.
+    ///
+    /// # Errors
+    /// As [`Motor::check`].
+    pub fn checked(self) -> Result<Self, Implausible> {
+        self.check().map(|()| self)
+    }
+
+    /// The torque in N·m of an ampere in q, with none in d.
     pub fn torque_constant(&self) -> f32 {
-        self.wiring.phases() as f32 * 0.5 * f32::from(self.pole_pairs) * self.flux
+        self.wiring.torque_constant(self.pole_pairs, self.flux)
     }
 
     /// The torque of the rated current, in N·m.

@@ -98,8 +98,14 @@ pub(crate) fn inverse_root(value: f32) -> f32 {
     guess * (1.681_913_9 - 0.703_952_25 * value * guess * guess)
 }
 
+/// The whole number toward 0; the nearest one of what is beyond 64 bits, and 0 for NaN.
+#[inline(never)]
+pub fn whole(value: f32) -> i64 {
+    value as i64
+}
+
 /// The factor by which something fades in a period, when it fades at so many rad/s: e^(−rate · period), as a quotient that stays between 0 and 1.
-#[inline]
+#[inline(never)]
 pub fn fade(rate: f32, period: f32) -> f32 {
     let half = between(rate * period / 2.0, 0.0, 1.0);
     (1.0 - half) / (1.0 + half)

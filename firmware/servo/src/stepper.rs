@@ -17,7 +17,7 @@
 
 use crate::Angle;
 use crate::motor::{Implausible, Motor};
-use crate::number::{between, fade, is_within, limit, root};
+use crate::number::{between, fade, greater, is_within, limit, root, whole};
 use crate::transform;
 
 /// Parts of a count.
@@ -99,7 +99,7 @@ pub struct Field {
 impl Field {
     /// The current seen from a rotor at this electrical angle, as the current loop is asked for it.
     pub fn seen_from(&self, angle: Angle) -> transform::Rotor {
-        let (sine, cosine) = self.angle.minus(angle).sine_cosine();
+        let (sine, cosine) = transform::direction(self.angle.minus(angle));
         transform::Rotor {
             d: self.current * cosine,
             q: self.current * sine,
@@ -111,23 +111,16 @@ impl Field {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stepper {
     config: StepperConfig,
+    period: f32,
     /// Electrical angle of a count, in parts of 2³² of a turn.
     angle_of_count: i64,
-    /// Full steps of a part of a count.
-    full_steps: f32,
-    /// The bound, in parts of a count.
-    bound: i64,
-    /// What a speed of an electrical rad/s makes of a period, in parts of a count.
-    counts_per_speed: f32,
-    /// What is made up, and the fastest, in electrical rad/s.
-    made_up: f32,
-    max_speed: f32,
-    /// The share of what is left of the lead at rest that a period adds to the field, and what it has added, in parts of a count.
-    trims: f32,
-    trim: i64,
-    /// How far the field gives way for an electrical rad/s, in parts of a count.
+    /// In parts of a count.
+    full_step: f32,
+    /// How far the field gives way for an electrical rad/s, in full steps.
     damping: f32,
     fades: f32,
+    /// What was added to the field at rest, in parts of a count.
+    trim: i64,
     behind: i64,
     /// The demand of the period before.
     last: Option<i64>,
@@ -144,7 +137,7 @@ impl Stepper {
     /// With a bound outside 1.1 to 1.7 full steps, a speed outside 1 to 10⁵ full steps/s, a fastest one outside 1 to 10⁶, a current above the peak of the motor or below 1 mA, a share
     /// outside 0.05 to 1, a time of falling outside 1 ms to 100 s, or a period outside 5 µs to 1 ms; or if a full step is less than four counts.
     pub fn new(motor: &Motor, config: StepperConfig, period: f32) -> Result<Self, Implausible> {
-        let motor = motor.checked()?;
+        motor.check()?;
         let is_one = is_within(config.bound, 1.1, 1.7)
             && is_within(config.speed, 1.0, 1e5)
             && is_within(config.max_speed, 1.0, 1e6)
@@ -154,25 +147,19 @@ impl Stepper {
             && is_within(period, 5e-6, 1e-3);
         let pole_pairs = f32::from(motor.pole_pairs);
         let full_step = motor.counts as f32 / (4.0 * pole_pairs) * PARTS;
-        if !is_one || full_step < 4.0 * PARTS {
-            return Err(Implausible);
-        }
+        Implausible::unless(is_one && full_step >= 4.0 * PARTS)?;
         let pull = pole_pairs * motor.torque_constant() * config.current / motor.inertia;
         // Half as much as damps the swinging in the field wholly, 2/ω electrical rad for a rad/s: what is seen of the speed comes late.
         let damping = 1.0 / root(pull);
         Ok(Self {
             config,
+            period,
             angle_of_count: ((u64::from(motor.pole_pairs) << 32) / u64::from(motor.counts.max(1)))
                 .cast_signed(),
-            full_steps: 1.0 / full_step,
-            bound: (config.bound * full_step) as i64,
-            counts_per_speed: period * full_step * ARC,
-            made_up: config.speed / ARC,
-            max_speed: config.max_speed / ARC,
-            trims: TRIM * period,
-            trim: 0,
-            damping: damping * full_step * ARC,
+            full_step,
+            damping: damping * ARC,
             fades: fade(1.0 / config.fall, period),
+            trim: 0,
             behind: 0,
             last: None,
             current: config.current,
@@ -207,9 +194,8 @@ impl Stepper {
         let square = sine * sine;
         // The arc of it, within a tenth of a full step.
         let lead = sine * (ARC + (1.0 - ARC) * square * square);
-        let ahead = (lead / self.full_steps) as i64;
-        let away = demand.position.saturating_sub(middle(rotor));
-        self.behind = away.saturating_sub(ahead);
+        let ahead = self.parts(lead);
+        self.behind = self.away(demand, rotor).wrapping_sub(ahead);
     }
 
     /// How far the field is behind the demand, in parts of a count.
@@ -225,42 +211,38 @@ impl Stepper {
     /// Whether the lead is at its bound, or what was held back there is not made up yet.
     pub fn is_held_back(&self) -> bool {
         let is_kept = self.config.beyond == Beyond::Kept;
-        self.is_beyond || !is_kept && self.behind.unsigned_abs() as f32 * self.full_steps > 1.0
+        self.is_beyond || !is_kept && within(self.behind, self.parts(1.0)) != self.behind
     }
 
     /// A period, in which no current is to be above `max` A.
     pub fn run(&mut self, demand: &StepperDemand, rotor: &Rotor, max: f32) -> Field {
         self.take_back(demand.position);
-        let full_step = 1.0 / self.full_steps;
-        let away = demand
-            .position
-            .saturating_sub(self.behind)
-            .saturating_sub(middle(rotor));
-        let wanted = away.saturating_add(self.trim);
-        let held = within(wanted, self.bound);
+        let is_reported = self.config.beyond == Beyond::Reported;
+        let away = self.away(demand, rotor);
+        let wanted = away.wrapping_add(self.trim);
+        let held = within(wanted, self.parts(self.config.bound));
         let is_beyond = held != wanted;
-        let lead = if self.config.beyond == Beyond::Reported {
+        let lead = if is_reported {
             wanted
         } else {
-            self.behind = self.behind.saturating_add(wanted.saturating_sub(held));
+            self.behind = self.behind.wrapping_add(wanted.wrapping_sub(held));
             self.trim_field(away, demand.is_at_rest);
             held
         };
-        let catches_up = self.make_up(demand);
+        let catches_up = self.make_up(demand) * core::f32::consts::FRAC_PI_2;
         let faster = limit(rotor.speed - demand.speed - catches_up, 1e5);
-        let field = if self.config.beyond == Beyond::Reported {
-            lead.saturating_sub(limit(self.damping * faster, full_step) as i64)
+        let most = if is_reported {
+            1.0
         } else {
-            // A full step pulls hardest, also while it brakes.
-            let max = 2.0 * self.config.bound * full_step;
-            let gives_way = limit(self.damping * faster, max) as i64;
-            within(held.saturating_sub(gives_way), full_step as i64)
+            2.0 * self.config.bound
         };
-        let steps = between(
-            lead.clamp(-(1 << 40), 1 << 40) as f32 * self.full_steps,
-            -1e4,
-            1e4,
-        );
+        let gives_way = limit(self.damping * faster, most);
+        let mut field = lead.wrapping_sub(self.parts(gives_way));
+        if !is_reported {
+            // A full step pulls hardest, also while it brakes.
+            field = within(field, self.parts(1.0));
+        }
+        let steps = limit(lead as f32 / self.full_step, 1e4);
         (self.lead, self.is_beyond) = (steps, is_beyond);
         Field {
             angle: rotor.angle.plus(self.turned(field)),
@@ -270,7 +252,17 @@ impl Stepper {
         }
     }
 
-    /// Takes from what is held back, if it is time for that. Returns with which speed, in electrical rad/s.
+    /// How far the rotor is from the demand, but for what is held back, in parts of a count.
+    fn away(&self, demand: &StepperDemand, rotor: &Rotor) -> i64 {
+        // In the middle of a count it is.
+        let middle = rotor.position.wrapping_shl(16).wrapping_add(1 << 15);
+        demand
+            .position
+            .wrapping_sub(self.behind)
+            .wrapping_sub(middle)
+    }
+
+    /// Takes from what is held back, if it is time for that. Returns with which speed, in full steps/s.
     fn make_up(&mut self, demand: &StepperDemand) -> f32 {
         let waits = match self.config.beyond {
             Beyond::MadeUpAtRest => !demand.is_at_rest,
@@ -280,18 +272,14 @@ impl Stepper {
         if waits {
             return 0.0;
         }
-        let sign = self.behind.signum();
-        let toward = if sign < 0 {
-            -demand.speed
-        } else {
-            demand.speed
-        };
-        let speed = between(self.max_speed - toward, 0.0, self.made_up);
-        let max = ((speed * self.counts_per_speed) as i64).max(1);
+        let sign = if self.behind < 0 { -1.0 } else { 1.0 };
+        let left = self.config.max_speed - sign * demand.speed * ARC;
+        let speed = between(left, 0.0, self.config.speed);
+        let max = self.parts(speed * self.period).max(1);
         let back = within(self.behind, max);
-        self.behind = self.behind.saturating_sub(back);
-        if back.saturating_abs() == max {
-            limit(sign as f32 * speed, self.made_up)
+        self.behind = self.behind.wrapping_sub(back);
+        if back.wrapping_abs() == max {
+            sign * speed
         } else {
             0.0
         }
@@ -299,27 +287,33 @@ impl Stepper {
 
     /// What is left of the lead at rest goes to the field; in motion it fades.
     fn trim_field(&mut self, away: i64, is_at_rest: bool) {
-        let full_step = 1.0 / self.full_steps;
         let left = if is_at_rest {
             away
         } else {
-            self.trim.saturating_neg()
+            self.trim.wrapping_neg()
         };
+        let full_step = self.parts(1.0);
         // More than a full step is no rest.
-        if left.unsigned_abs() as f32 <= full_step || !is_at_rest {
-            let change = (left as f32 * self.trims) as i64;
-            self.trim = within(self.trim.saturating_add(change), full_step as i64);
+        if within(left, full_step) == left {
+            let change = whole(left as f32 * (TRIM * self.period));
+            self.trim = within(self.trim.wrapping_add(change), full_step);
         }
     }
 
     /// A demand that turns back comes to where the field is held.
     fn take_back(&mut self, position: i64) {
         let last = self.last.replace(position).unwrap_or(position);
-        let change = position.saturating_sub(last);
-        if change.signum() == -self.behind.signum() {
-            let max = i64::try_from(self.behind.unsigned_abs()).unwrap_or(i64::MAX);
-            self.behind = self.behind.saturating_add(within(change, max));
+        let change = position.wrapping_sub(last);
+        if (change < 0) != (self.behind < 0) {
+            let back = within(change, self.behind.wrapping_abs());
+            self.behind = self.behind.wrapping_add(back);
         }
+    }
+
+    /// Full steps in parts of a count.
+    #[inline(never)]
+    fn parts(&self, full_steps: f32) -> i64 {
+        whole(full_steps * self.full_step)
     }
 
     /// Parts of a count as an electrical angle.
@@ -334,17 +328,13 @@ impl Stepper {
         let share = self.config.at_rest + (1.0 - self.config.at_rest) * between(lead, 0.0, 1.0);
         let wanted = self.config.current * share;
         let fallen = wanted + self.fades * (self.current - wanted);
-        self.current = if wanted > fallen { wanted } else { fallen };
+        self.current = greater(wanted, fallen);
         self.current
     }
 }
 
-/// Where the rotor is, in parts of a count: in the middle of one.
-fn middle(rotor: &Rotor) -> i64 {
-    rotor.position.wrapping_shl(16).wrapping_add(1 << 15)
-}
-
 /// The value within a bound on both sides; unlike `clamp` it cannot panic.
+#[inline(never)]
 fn within(value: i64, bound: i64) -> i64 {
-    value.min(bound).max(bound.saturating_neg())
+    value.min(bound).max(bound.wrapping_neg())
 }

@@ -3,6 +3,7 @@
 //! Beside the stator a vector has the parts α, along phase A, and β, a quarter of an electrical turn ahead. Of two phases they are the phases themselves. In
 //! the frame of the rotor it has d and q.
 
+use crate::Angle;
 use crate::motor::Wiring;
 
 /// √3 / 2.
@@ -101,6 +102,12 @@ impl Stator {
     }
 }
 
+/// Sine and cosine of an angle, where there is time for a call.
+#[inline(never)]
+pub(crate) fn direction(angle: Angle) -> (f32, f32) {
+    angle.sine_cosine()
+}
+
 impl Rotor {
     /// Nothing.
     pub const ZERO: Self = Self { d: 0.0, q: 0.0 };
@@ -148,6 +155,14 @@ impl Rotor {
         }
     }
 
+    /// What is left of the difference to another a period later is this share.
+    pub(crate) fn fading_to(self, other: Self, share: f32) -> Self {
+        Self {
+            d: other.d + share * (self.d - other.d),
+            q: other.q + share * (self.q - other.q),
+        }
+    }
+
     /// The square of its size.
     #[inline]
     pub fn square(self) -> f32 {
@@ -158,7 +173,6 @@ impl Rotor {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Angle;
     use proptest::prelude::*;
 
     proptest! {

@@ -39,10 +39,7 @@ impl Servo {
         rig.observer = servo::feedback::Observer::new(3_000.0, PERIOD).unwrap();
         let gains = Gains::from_bandwidth(bandwidth);
         let friction = data.motor.coulomb_friction as f32 / known.torque_constant();
-        let cascade = Cascade::new(&known, gains, CONTROL)
-            .unwrap()
-            .with(Filter::NONE, Filter::NONE, friction)
-            .unwrap();
+        let cascade = Cascade::new(&known, gains, friction, CONTROL).unwrap();
         Self {
             rig,
             cascade,
@@ -342,10 +339,8 @@ proptest! {
         let [a, b, c, d] = filters;
         let low_pass = Filter::low_pass(a, b, CONTROL).unwrap_or(Filter::low_pass(300.0, 0.7, CONTROL).unwrap());
         let notch = Filter::notch(c, d, CONTROL).unwrap_or(Filter::notch(500.0, 3.0, CONTROL).unwrap());
-        let mut cascade = Cascade::new(&servo_100w(), of(gains), CONTROL)
-            .unwrap()
-            .with(low_pass, notch, 0.1)
-            .unwrap();
+        let mut cascade = Cascade::new(&servo_100w(), of(gains), 0.1, CONTROL).unwrap();
+        cascade.set_filters(low_pass, notch, 0.0);
         let is_taken = cascade.set_gains(of(other)).is_ok();
         prop_assert_eq!(is_taken, other.iter().all(|gain| (0.0..=1e4).contains(gain)));
         let [positive, negative] = limits;

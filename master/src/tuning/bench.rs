@@ -2,12 +2,13 @@
 
 use canopen::Duration;
 
-use super::motor::{has_power, number, result};
+use super::motor::{self, number, result};
 use super::{Found, Host, Motor, Point, Stage, Wanted, response, write};
 use crate::Failure;
 use crate::axis402::{Node, Problem};
 use crate::data_sheet::Address;
 use crate::scope::{self, Before, Channel, Progress, Recording, Request, Trigger};
+use crate::trace;
 
 const fn order(sub: u8) -> Address {
     Address::new(0x20C0, sub)
@@ -26,6 +27,9 @@ const EXCITE: u8 = 2;
 /// The values of 20C1h:1 that end it.
 const DONE: u32 = 6;
 const FAILED: u32 = 7;
+
+/// The value of 20C1h:2 that has a fault beside it.
+const POWER_OFF: u32 = 1;
 
 /// How often the drive is asked how far it is.
 const PAUSE: Duration = Duration::from_ticks(50_000);
@@ -95,21 +99,22 @@ impl<'a, H: Host> Bench<'a, H> {
         if (1..DONE).contains(&state) {
             return Err(self.failed("it is being measured already"));
         }
-        if has_power(self.value(STATUSWORD)?) {
+        if motor::has_power(self.value(STATUSWORD)?) {
             return Err(self.failed("its power stage is on: another master may be moving it"));
         }
         self.keep(&[MODE, order(2), order(4)])?;
         let outcome = self.work(wanted);
         self.host.conclude();
-        let concluded = self.conclude();
+        // A motor that may still have power is told of before anything else.
+        let refused = self.conclude()?;
         let found = outcome?;
-        concluded?;
-        Ok(found)
+        refused.map_or(Ok(found), Err)
     }
 
-    /// Whatever became of it, the motor has no power, and the rest is as it was. One value that is refused does not keep the others from it.
-    fn conclude(&mut self) -> Result<(), Problem> {
-        let mut first = Ok(());
+    /// Whatever became of it, the motor has no power, and the rest is as it was. One value that is refused does not keep the others from it; the first is returned.
+    fn conclude(&mut self) -> Result<Option<Problem>, Problem> {
+        let mut first = None;
+        let mut has_power = true;
         let ends = [
             (order(1), [END].to_vec()),
             (CONTROLWORD, [0x06, 0].to_vec()),
@@ -121,20 +126,26 @@ impl<'a, H: Host> Bench<'a, H> {
                 // A recorder that is at work cannot be set up.
                 stops = false;
                 let stopped = scope::disarm(self.host.master(), self.node);
-                first = first.and(stopped);
+                first = first.or(stopped.err());
             }
             match self.node.download(self.host.master(), address, &bytes) {
-                Ok(()) => {}
+                Ok(()) => has_power &= address != CONTROLWORD,
+                Err(failure @ Failure::Abort { .. }) => {
+                    first = first.or(Some(Problem::with_node(self.node.id, failure)));
+                }
                 Err(failure) => {
-                    let has_answered = matches!(failure, Failure::Abort { .. });
-                    first = first.and(Err(Problem::with_node(self.node.id, failure)));
-                    if !has_answered {
-                        break;
-                    }
+                    let line = Problem::with_node(self.node.id, failure).line();
+                    let line = line.unwrap_or_else(|| format!("node {}", self.node.id));
+                    let what = if has_power {
+                        "its motor may still have power"
+                    } else {
+                        "its motor has no power, but not all is as it was"
+                    };
+                    return Err(Problem::Failed(format!("{line}: {what}")));
                 }
             }
         }
-        first
+        Ok(first)
     }
 
     /// These are put back at the end.
@@ -193,8 +204,11 @@ impl<'a, H: Host> Bench<'a, H> {
                 DONE => return Ok(()),
                 FAILED => {
                     let why = self.value(result(2))?;
-                    let fault = self.value(Address::new(0x603F, 0))?;
-                    return Err(self.failed(&reason(why, fault)));
+                    let what = match why {
+                        POWER_OFF => format!("the power stage went off by {}", self.fault()?),
+                        other => reason(other),
+                    };
+                    return Err(self.failed(&what));
                 }
                 0 => return Err(self.failed("it knows of no measurement: has it started anew?")),
                 3 => self.host.at(Stage::Field),
@@ -341,13 +355,23 @@ impl<'a, H: Host> Bench<'a, H> {
             if statusword & 0x6F == state {
                 return Ok(());
             }
+            if statusword & 0x4F == 0x08 {
+                let fault = self.fault()?;
+                return Err(self.failed(&format!("it has {fault}")));
+            }
             if self.host.master().now() >= end {
-                return Err(self.failed(&format!(
-                    "6041h is {statusword:04X}h, and does not come to {state:02X}h"
-                )));
+                let [is, wanted] = [statusword, state].map(|word| trace::statusword(word as u16));
+                return Err(self.failed(&format!("6041h is {is}, and does not come to {wanted}")));
             }
             self.host.pause(Duration::from_ticks(10_000))?;
         }
+    }
+
+    /// 603Fh in words.
+    fn fault(&mut self) -> Result<String, Problem> {
+        let code = self.value(Address::new(0x603F, 0))? as u16;
+        let words = trace::error_words(code).unwrap_or("of its maker");
+        Ok(format!("fault {code:04X}h, {words}"))
     }
 
     fn failed(&self, what: &str) -> Problem {
@@ -374,14 +398,17 @@ impl<'a, H: Host> Bench<'a, H> {
 }
 
 /// 20C1h:2 in words.
-fn reason(failure: u32, fault: u32) -> String {
+fn reason(failure: u32) -> String {
     let what = match failure {
-        1 => return format!("the power stage went off, error {fault:04X}h"),
         2 => "no current flows, or the winding is none",
-        3 => "the encoder does not see that the rotor turns: is it held, is the encoder connected?",
-        4 => "the way of the encoder is no whole number of pole pairs: is its resolution right?",
-        5 => "the current does not move the rotor",
-        6 => "the rotor has gone further than it may",
+        3 => {
+            "the encoder does not see that the rotor turns: is it held or too heavy, is the encoder connected?"
+        }
+        4 => {
+            "the way of the encoder is no whole number of pole pairs, or fewer than 20 counts for each: is its resolution right?"
+        }
+        5 => "the current does not move the rotor: is it held, or too heavy?",
+        6 => "the rotor has gone further than it may: does something drive it, or is it too heavy?",
         7 => "somebody else has ended the measurement",
         8 => "the drive cannot do that now",
         other => return format!("the measurement failed with {other}"),

@@ -1,11 +1,14 @@
 //! `axis402 tune` against the virtual drive with a servo.
 
 use canopen::Duration;
-use master::axis402::{Tuning, tune};
+use master::axis402::{Node, Problem, Tuning, tune};
 use master::bus::simulated::Handle;
 use sim::ServoDrive;
 use sim::drive::Setup;
 use sim::plant::{Axis, ServoAxisData};
+
+use master::tuning::{self, Host, Stage, Wanted};
+use master::{Master, Simulated};
 
 use crate::bench::{Bench, refusal};
 
@@ -180,4 +183,180 @@ fn what_cannot_be_measured_is_told_and_the_motor_has_no_power_then() {
     let node = bench.meet(7);
     let result = bench.run(|master, console| tune(master, &node, &wanted, console));
     assert!(refusal(result).0.contains("20C1h is missing"));
+}
+
+/// The plant of the axis.
+fn plant(bench: &mut Bench, drive: Handle<ServoDrive>) -> &mut sim::plant::Plant {
+    bench.master.bus_mut().station_mut(drive).plant_mut()
+}
+
+#[test]
+fn every_ready_axis_is_measured() {
+    for data in sim::plant::AXES {
+        let (mut bench, _) = on_axis(data.name);
+        let node = bench.meet(4);
+        let wanted = Tuning {
+            is_short: true,
+            json: true,
+            ..Tuning::default()
+        };
+        let found = json(&bench.told(|master, console| tune(master, &node, &wanted, console)));
+        let plant = data.at_work().plant;
+        let (motor, load) = (plant.motor, plant.load);
+        let inertia = motor.inertia + load.inertia;
+        let friction = motor.coulomb_friction + load.coulomb_friction;
+        for (name, known, bound) in [
+            ("resistance", motor.resistance, 0.01),
+            ("inductance_along", motor.inductance_d, 0.01),
+            ("inductance_across", motor.inductance_q, 0.01),
+            ("flux", motor.flux, 0.03),
+            ("pole_pairs", f64::from(motor.pole_pairs), 0.0),
+            ("inertia", inertia, 0.15),
+            ("friction", friction, 0.2),
+        ] {
+            let away = found[name].as_f64().unwrap() / known - 1.0;
+            assert!(away.abs() <= bound, "{}: {name} {away:.3}", data.name);
+        }
+        let angle = found["angle"].as_f64().unwrap();
+        assert!((angle + 180.0).rem_euclid(360.0) - 180.0 < 5.0, "{angle}");
+    }
+}
+
+#[test]
+fn a_fault_is_told_by_its_name() {
+    let (mut bench, drive) = on_axis("servo_100w");
+    let node = bench.meet(4);
+    plant(&mut bench, drive).supply = false;
+    let begin = bench.master.now();
+    let wanted = Tuning::default();
+    let result = bench.run(|master, console| tune(master, &node, &wanted, console));
+    let (line, code) = refusal(result);
+    assert!(
+        line.contains("fault 3220h, DC link voltage too low"),
+        "{line}"
+    );
+    assert_eq!(code, 1);
+    assert!(bench.master.now() - begin < Duration::from_ticks(2_000_000));
+
+    // It is there before, and nobody waits for it to go.
+    let begin = bench.master.now();
+    let result = bench.run(|master, console| tune(master, &node, &wanted, console));
+    assert!(refusal(result).0.contains("fault 3220h"));
+    assert!(bench.master.now() - begin < Duration::from_ticks(1_000_000));
+}
+
+/// Does something at the first pause of a stage.
+struct Disturbs<'a> {
+    bench: &'a mut Bench,
+    stage: Stage,
+    is_at: bool,
+    happens: &'a mut dyn FnMut(&mut Bench) -> Result<(), Problem>,
+}
+
+impl Host for Disturbs<'_> {
+    type Line = Simulated;
+
+    fn master(&mut self) -> &mut Master<Simulated> {
+        &mut self.bench.master
+    }
+
+    fn pause(&mut self, span: Duration) -> Result<(), Problem> {
+        if std::mem::take(&mut self.is_at) {
+            (self.happens)(self.bench)?;
+        }
+        Ok(self.bench.master.wait(span)?)
+    }
+
+    fn at(&mut self, stage: Stage) {
+        self.is_at = stage == self.stage;
+    }
+}
+
+fn disturbed(
+    bench: &mut Bench,
+    node: &Node,
+    stage: Stage,
+    happens: &mut dyn FnMut(&mut Bench) -> Result<(), Problem>,
+) -> Result<tuning::Found, Problem> {
+    let mut host = Disturbs {
+        bench,
+        stage,
+        is_at: false,
+        happens,
+    };
+    let wanted = Wanted {
+        motor: true,
+        ..Wanted::default()
+    };
+    tuning::tune(&mut host, node, &wanted)
+}
+
+#[test]
+fn what_happens_while_it_measures_ends_it_without_power() {
+    for (stage, what, words) in [
+        (
+            Stage::Winding,
+            "bus",
+            "fault 3220h, DC link voltage too low",
+        ),
+        (
+            Stage::Strokes,
+            "bus",
+            "fault 3220h, DC link voltage too low",
+        ),
+        (Stage::Field, "encoder", "the encoder does not see"),
+        (
+            Stage::Strokes,
+            "brake",
+            "the current does not move the rotor",
+        ),
+        (Stage::Field, "brake", "the encoder does not see"),
+    ] {
+        let (mut bench, drive) = on_axis("servo_100w");
+        let node = bench.meet(4);
+        let before = kept(&mut bench);
+        let mut happens = |bench: &mut Bench| {
+            let plant = plant(bench, drive);
+            match what {
+                "bus" => plant.supply = false,
+                "brake" => plant.servo_mut().unwrap().plant_mut().load_brake = 20.0,
+                _ => {
+                    let motor = plant.servo_mut().unwrap().plant_mut();
+                    motor.sensor_faults.encoder_is_cut = true;
+                }
+            }
+            Ok(())
+        };
+        let (line, _) = refusal(disturbed(&mut bench, &node, stage, &mut happens));
+        assert!(line.contains(words), "{stage:?} {what}: {line}");
+        assert_eq!(kept(&mut bench), before);
+        bench.master.run_for(Duration::from_ticks(100_000));
+        let servo = plant(&mut bench, drive).servo_mut().unwrap();
+        let current = servo.plant().phase_currents();
+        assert!(current.iter().all(|ampere| *ampere == 0.0), "{current:?}");
+    }
+}
+
+#[test]
+fn whoever_stops_it_is_told_if_the_motor_may_have_power_still() {
+    let (mut bench, _) = on_axis("nema17");
+    let node = bench.meet(4);
+    let result = disturbed(&mut bench, &node, Stage::Strokes, &mut |_| {
+        Err(Problem::Stopped)
+    });
+    assert_eq!(refusal(result).1, 130);
+    let statusword: u16 = bench.master.read(4, 0x6041, 0).unwrap();
+    assert_eq!(statusword & 0x6F, 0x21, "the power stage is off");
+
+    // A node that is stopped does not answer.
+    let result = disturbed(&mut bench, &node, Stage::Strokes, &mut |bench| {
+        bench.master.nmt(master::NmtCommand::Stop, 4);
+        Err(Problem::Stopped)
+    });
+    let (line, code) = refusal(result);
+    assert_eq!(
+        line,
+        "node 4 does not answer: its motor may still have power"
+    );
+    assert_eq!(code, 1);
 }

@@ -38,6 +38,7 @@ impl PowerStage for Plant {
             fault: self.fault.or(self.servo().and_then(ServoMotor::error_code)),
             digital: inputs.digital,
             stall: self.stall(),
+            absolute_turn: self.absolute_turn(),
             position_tolerance: self.position_tolerance(),
             supply_voltage: Some(self.supply_voltage),
             temperature: Some(self.temperature),

@@ -2,6 +2,7 @@
 //! axes that are ready.
 
 mod sections;
+mod servo;
 
 use std::path::Path;
 
@@ -9,7 +10,7 @@ use super::motor::{MotorData, SupplyData};
 use super::servo::ServoAxisData;
 use super::track::Track;
 use crate::settings::Settings;
-use master::data_sheet::DataSheet;
+use master::data_sheet::{Address, DataSheet};
 use master::system_error::plain;
 use sections::{File, Mistake};
 
@@ -36,16 +37,33 @@ pub struct Axis {
 
 impl Axis {
     /// A ready axis with a servo, and a drive that is set to it.
+    pub fn servo(data: &ServoAxisData) -> Self {
+        Self::bare_servo(data).with_drive_set_up()
+    }
+
+    /// The same for a drive whose data sheet has the limits and units of its motor: a product.
+    pub fn bare_servo(data: &ServoAxisData) -> Self {
+        Self {
+            servo: Some(*data),
+            encoder: true,
+            ..Self::default()
+        }
+    }
+
+    /// With the generic drive set to the motor of a servo. What the axis has set stays.
     ///
     /// # Panics
     /// Never: its settings are objects of the drive.
-    pub fn servo(data: &ServoAxisData) -> Self {
+    #[must_use]
+    fn with_drive_set_up(mut self) -> Self {
+        let Some(data) = &self.servo else {
+            return self;
+        };
         let sheet = DataSheet::servo();
         let motor = data.motor();
         let counts = i64::from(motor.counts);
         let rated = f64::from(motor.rated_current) * 1e3;
         let peak = f64::from(motor.peak_current / motor.rated_current) * 1e3;
-        let mut settings = Settings::default();
         for (object, number) in [
             ("607Fh", counts * i64::from(data.speed) / 60),
             ("6080h", data.speed.into()),
@@ -59,35 +77,32 @@ impl Axis {
             ("60E0h", peak as i64),
             ("60E1h", peak as i64),
         ] {
-            settings
-                .set(&sheet, object, number)
-                .expect("an object of the drive");
+            let address = sheet.find(object).expect("an object of the drive");
+            let is_set = |(set, _): &(Address, _)| *set == address;
+            if !self.settings.values().iter().any(is_set) {
+                let is_taken = self.settings.set(&sheet, object, number);
+                is_taken.expect("a setting of the drive");
+            }
         }
-        Self {
-            servo: Some(*data),
-            encoder: true,
-            settings,
-            ..Self::default()
-        }
+        self
     }
 
-    /// The same for a drive whose data sheet has the limits and units of its motor: a product.
-    pub fn bare_servo(data: &ServoAxisData) -> Self {
-        Self {
-            servo: Some(*data),
-            encoder: true,
-            ..Self::default()
-        }
-    }
-
-    /// Reads an axis.
+    /// Reads an axis. With a servo, the drive is set to its motor.
     ///
     /// # Errors
     /// What is wrong with the file, in one line with its name and the line in it.
     pub fn read(path: &Path) -> Result<Self, String> {
+        Self::read_bare(path).map(Self::with_drive_set_up)
+    }
+
+    /// The same for a product: see [`Axis::bare_servo`].
+    ///
+    /// # Errors
+    /// As [`Axis::read`].
+    pub fn read_bare(path: &Path) -> Result<Self, String> {
         let text = od_gen::files::read_text(path)
             .map_err(|error| format!("cannot read {}: {}", path.display(), plain(error)))?;
-        Self::from_toml(&text).map_err(|(line, what)| match line {
+        Self::bare_from_toml(&text).map_err(|(line, what)| match line {
             Some(line) => format!("{}:{line}: {what}", path.display()),
             None => format!("{}: {what}", path.display()),
         })
@@ -98,6 +113,10 @@ impl Axis {
     /// # Errors
     /// The line, if it is known, and what is wrong.
     pub fn from_toml(text: &str) -> Result<Self, (Option<usize>, String)> {
+        Self::bare_from_toml(text).map(Self::with_drive_set_up)
+    }
+
+    fn bare_from_toml(text: &str) -> Result<Self, (Option<usize>, String)> {
         let line = |offset: usize| {
             text.get(..offset)
                 .map(|before| before.matches('\n').count() + 1)

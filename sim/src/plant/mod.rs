@@ -22,8 +22,10 @@ pub use contact::{Sensed, Switch};
 pub use counter::SecondCounter;
 pub use motor::{Heat, Load, MotorData, SupplyChange, SupplyData};
 pub use pulses::{PulsePlayer, Pulses};
-pub use servo::{AXES, Magnet, ServoAxisData, ServoMotor};
+pub use servo::{AXES, Magnet, ServoAxisData, ServoMotor, eccentricity_table};
 pub use track::{Index, SwitchStates, Track, WIRES};
+
+use std::f64::consts::TAU;
 
 use brake::Brake;
 use canopen::{Duration, Instant};
@@ -128,7 +130,10 @@ impl Plant {
             .as_ref()
             .map(|data| Motor::new(data, axis.start, axis.track.stops.as_ref()));
         if let Some(data) = &axis.servo {
-            self.servo = Some(Box::new(ServoMotor::new(data, axis.seed)));
+            let mut data = *data;
+            let turns = axis.start as f64 / f64::from(data.plant.sensors.counts);
+            data.start += turns * TAU;
+            self.servo = Some(Box::new(ServoMotor::new(&data, axis.seed)));
             self.encoder = true;
         }
         self.moved = self.now;
@@ -136,8 +141,8 @@ impl Plant {
         self.feel();
     }
 
-    /// The power is back: no fault, no current, nothing to play, and the position counts from 0. The motor and its switches
-    /// are where they were.
+    /// The power is back: no fault, no current, nothing to play, and the position counts from 0, or from the zero of an absolute encoder. The motor
+    /// and its switches are where they were.
     pub fn power_on(&mut self, now: Instant) {
         self.origin = self.rotor;
         self.pulses = PulsePlayer::default();
@@ -145,6 +150,9 @@ impl Plant {
         self.moved = now;
         if let Some(motor) = &mut self.motor {
             motor.power_on();
+        }
+        if let Some(servo) = &mut self.servo {
+            servo.power_on();
         }
         self.energise(false);
         self.open_brake(false);
@@ -192,7 +200,7 @@ impl Plant {
         };
         let begin = self.pulses.played();
         self.pulses.play(ticks(span), |_| {});
-        let start = self.rotor - servo.position();
+        let start = self.rotor - servo.moved();
         let origin = self.origin - start;
         servo.plant_mut().is_fed = self.supply;
         let order = self.pulses.ordered();
@@ -205,14 +213,15 @@ impl Plant {
         );
         self.now = now;
         self.supply_voltage = servo.millivolts();
-        self.pulses.tell(servo.report(origin));
-        let rotor = start + servo.position();
+        self.pulses.tell(servo.rated(), servo.report(origin));
+        let rotor = start + servo.moved();
+        let counted = servo.begun() - self.origin;
         let time = nanoseconds(now);
         if !self.surroundings.is_empty() {
             let way = rotor - self.rotor;
             for done in 1..=way.abs() {
                 let next = self.rotor + done * way.signum();
-                self.surroundings.follow(next, (next - self.origin, time));
+                self.surroundings.follow(next, (next + counted, time));
             }
         }
         self.rotor = rotor;
@@ -348,8 +357,16 @@ impl Plant {
         match &self.motor {
             _ if !self.encoder => self.pulses.position(),
             Some(motor) => motor.measured(self.pulses_of_full_step()),
-            None => self.rotor - self.origin,
+            None => {
+                let begun = self.servo.as_ref().map_or(0, |servo| servo.begun());
+                self.rotor - self.origin + begun
+            }
         }
+    }
+
+    /// Steps in a turn of an absolute encoder, once it has told where in it the motor is. The position counts from its zero then.
+    pub fn absolute_turn(&self) -> u32 {
+        self.servo.as_ref().map_or(0, |servo| servo.absolute_turn())
     }
 
     /// How far the position may be from where the pulses lead while the motor is held, in pulses: an encoder shows the play of

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use cia402::{Compare, ServoOrder, ServoPort, ServoReport};
+use cia402::{Compare, RatedMotor, ServoOrder, ServoPort, ServoReport};
 use motion::step_interrupt::CAPACITY;
 use motion::{PulseSink, Record, Ticks};
 
@@ -44,6 +44,7 @@ pub struct PulsePlayer {
     /// What a servo is told, and what it has told.
     order: Option<Ordered>,
     report: ServoReport,
+    motor: Option<RatedMotor>,
     /// When each pulse left, if that is kept.
     times: Option<Vec<Ticks>>,
     comparison: Comparison,
@@ -157,8 +158,9 @@ impl PulsePlayer {
         self.order
     }
 
-    /// What a servo has to tell.
-    pub(super) fn tell(&mut self, report: ServoReport) {
+    /// What a servo is, and what it has to tell.
+    pub(super) fn tell(&mut self, motor: RatedMotor, report: ServoReport) {
+        self.motor = Some(motor);
         self.report = report;
     }
 
@@ -209,6 +211,10 @@ impl PulsePlayer {
 }
 
 impl ServoPort for PulsePlayer {
+    fn motor(&self) -> RatedMotor {
+        self.motor.unwrap_or(RatedMotor::NONE)
+    }
+
     fn order(&mut self, order: &ServoOrder) {
         self.order = Some(Ordered {
             order: *order,

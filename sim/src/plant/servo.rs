@@ -3,9 +3,12 @@
 //! Time goes on in periods of the modulation. A sample in the middle of the pulses, what the converter makes of it, the current interrupt, and its widths half a period later; the
 //! control each [`CONTROL`] periods. How the loops come to know where the magnet is, [`Magnet`] says.
 
+use std::f64::consts::TAU;
+
 use motion::Ticks;
 use runtime::servo::{
-    Current, Feedback, LoopReport, Loops, Request, ServoData, ServoSettings, StageData, error_code,
+    Current, Feedback, LoopReport, Loops, Port, Request, ServoData, ServoSettings, StageData,
+    error_code,
 };
 use servo::control::Fault;
 use servo::feedback::absolute::{ENTRIES, NO_ERROR};
@@ -17,7 +20,7 @@ use servo_plant::{Gates, Plant, axes};
 
 use super::STEP_CLOCK_HZ;
 use crate::plant::pulses::Ordered;
-use cia402::ServoReport;
+use cia402::{RatedMotor, ServoReport};
 
 /// A period of the modulation, in microseconds.
 const PERIOD: u64 = 50;
@@ -195,10 +198,13 @@ impl ServoAxisData {
 /// The motor at work.
 #[derive(Clone, Debug)]
 pub struct ServoMotor {
+    data: ServoAxisData,
     plant: Plant,
-    magnet: Magnet,
+    rated: RatedMotor,
     current: Current,
     loops: Loops,
+    /// The count of an absolute encoder at its first word.
+    begun: i64,
     /// Amperes of a count.
     scale: f32,
     /// Microseconds up to which it has run, and the periods in them.
@@ -212,23 +218,24 @@ impl ServoMotor {
         let mut sensed = data.plant;
         sensed.sensors.counts = data.other_counts.unwrap_or(sensed.sensors.counts);
         let mut plant = Plant::new(sensed, seed).turning(data.start, 0.0);
-        let is_known = data.magnet == Magnet::Known;
-        let magnet = is_known.then(|| angle(plant.electrical_angle()));
-        let timer = match data.magnet {
-            Magnet::Absolute(_) => 0,
-            _ => plant.measure().count as u16,
-        };
-        let loops = data.loops();
-        let current = Current::new(&loops, timer, magnet);
+        let (current, loops) = loops(data, &mut plant);
         Self {
+            data: *data,
             plant,
-            magnet: data.magnet,
-            current: current.expect("the axes are plausible"),
-            loops: Loops::new(&loops).expect("the axes are plausible"),
+            current,
+            loops,
+            begun: 0,
+            rated: Port::rated(&data.motor()),
             scale: data.scale(),
             time: 0,
             periods: 0,
         }
+    }
+
+    /// The power is back: the loops know nothing, and the motor is where it was.
+    pub(super) fn power_on(&mut self) {
+        (self.current, self.loops) = loops(&self.data, &mut self.plant);
+        self.begun = 0;
     }
 
     /// The motor and what is around it, to load it or to break it.
@@ -251,6 +258,11 @@ impl ServoMotor {
         self.loops.request(&mut self.current, request);
     }
 
+    /// Positions in a turn, as [`Current::absolute_turn`] says it.
+    pub fn absolute_turn(&self) -> u32 {
+        self.current.absolute_turn()
+    }
+
     /// The loops above the current.
     pub fn loops(&self) -> &Loops {
         &self.loops
@@ -261,9 +273,14 @@ impl ServoMotor {
         self.loops.loop_report(&mut self.current)
     }
 
-    /// Of the encoder, from where it began.
-    pub fn position(&self) -> i64 {
-        self.current.position()
+    /// Counts since the power came.
+    pub fn moved(&self) -> i64 {
+        self.current.position() - self.begun
+    }
+
+    /// The count of an absolute encoder as the power came, once it has told; 0 for others, which count from there.
+    pub fn begun(&self) -> i64 {
+        self.begun
     }
 
     /// The bus in mV.
@@ -310,8 +327,15 @@ impl ServoMotor {
             let counts = (amperes / f64::from(self.scale)).round() + f64::from(MIDDLE);
             counts.clamp(0.0, 65_535.0) as u16
         };
-        let timer = match (self.magnet, readings.index) {
-            (Magnet::Absolute(_), _) => self.current.word(readings.word),
+        let timer = match (self.data.magnet, readings.index) {
+            (Magnet::Absolute(_), _) => {
+                let (moved, is_first) = (self.moved(), self.current.absolute_turn() == 0);
+                let timer = self.current.word(readings.word);
+                if is_first && self.current.absolute_turn() != 0 {
+                    self.begun = self.current.position() - moved;
+                }
+                timer
+            }
             (_, index) => {
                 self.current.hall(readings.hall);
                 if let Some(index) = index {
@@ -337,6 +361,11 @@ impl ServoMotor {
         self.plant.run(HALF);
     }
 
+    /// The motor as the axis knows it.
+    pub fn rated(&self) -> RatedMotor {
+        self.rated
+    }
+
     /// What has become of the orders, in counts from `origin` on.
     pub fn report(&self, origin: i64) -> ServoReport {
         self.loops.report(&self.current.state(), origin)
@@ -358,9 +387,35 @@ impl ServoMotor {
     }
 }
 
+/// The loops of a drive that has just got power.
+fn loops(data: &ServoAxisData, plant: &mut Plant) -> (Current, Loops) {
+    let is_known = data.magnet == Magnet::Known;
+    let magnet = is_known.then(|| angle(plant.electrical_angle()));
+    let timer = match data.magnet {
+        Magnet::Absolute(_) => 0,
+        _ => plant.measure().count as u16,
+    };
+    let data = data.loops();
+    let current = Current::new(&data, timer, magnet).expect("the axes are plausible");
+    let loops = Loops::new(&data).expect("the axes are plausible");
+    (current, loops)
+}
+
+/// The table that takes out what a magnet off its centre shows: so much too much, in rad, at the sine of its angle.
+///
+/// It is one for the rest of the program, as a drive has it in its flash.
+pub fn eccentricity_table(peak: f64) -> &'static [i32; ENTRIES] {
+    let table = std::array::from_fn(|entry| {
+        let shown = entry as f64 / ENTRIES as f64 * TAU;
+        let turned = (0..60).fold(shown, |angle, _| shown - peak * f64::sin(angle));
+        ((shown - turned) / TAU * 4_294_967_296.0) as i32
+    });
+    Box::leak(Box::new(table))
+}
+
 /// An angle in rad.
 fn angle(radians: f64) -> Angle {
-    let turns = (radians / std::f64::consts::TAU).rem_euclid(1.0);
+    let turns = (radians / TAU).rem_euclid(1.0);
     Angle::from_bits((turns * 4_294_967_296.0) as u32)
 }
 

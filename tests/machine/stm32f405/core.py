@@ -15,6 +15,7 @@ from unicorn.arm_const import (
 from .cost import CHAINED, ENTRY, EXIT, Cost, Shares
 from .engine import FLASH, FLASH_SIZE
 from .faults import MSTKERR, STKERR
+from .fpu import STACKED as FLOATS_STACKED
 from .system import HARD_FAULT, NMI, SVCALL, System
 
 #: Instructions that run without a look at the rest of the chip; more where interrupts have been
@@ -80,8 +81,8 @@ class Core:
         #: changes of itself, or that change something.
         self.seen, self.whole, self.unsteady = {}, None, 0
         self.left, self.fault = False, None
-        #: A handler has ended, and nothing has run since.
-        self.has_left = False
+        #: A handler has ended, and nothing has run since: what its way back has cost.
+        self.way_back = 0
         #: Exceptions that are served: number, priority, and what their entry has stacked.
         self.active = []
         self.counts = collections.Counter()
@@ -229,7 +230,7 @@ class Core:
                     self.stack_floats(control)
         if self.cost is not None:
             self.cost.enter()
-            self.stall += CHAINED - EXIT if self.has_left else ENTRY
+            self.spend(CHAINED - self.way_back if self.way_back else ENTRY, self.system.priority[number])
         self.bases.append(sp)
         self.active.append((number, self.system.priority[number], (size, padded, with_floats, xpsr)))
         if self.system.priority[number] < 0:
@@ -252,6 +253,13 @@ class Core:
             place = self.engine.place(address, 0x48)
             if place is not None:
                 struct.pack_into("<8QII", *place, *floats, 0)
+                if self.cost is not None:
+                    self.spend(FLOATS_STACKED, self.cost.priority())
+
+    def spend(self, clocks, priority):
+        """The core itself takes these, for this priority."""
+        self.stall += clocks
+        self.shares.add(priority, clocks)
 
     def vector(self, number):
         """Where the handler of an exception begins; at address 0 lies the flash."""
@@ -262,17 +270,18 @@ class Core:
 
     def leave(self):
         views = self.views
+        sp, control = views.stack.read()
+        self.stack_floats(control)
         number, priority, (size, padded, with_floats, xpsr) = self.active.pop()
         self.bases.pop()
         if priority < 0:
             self.system.faults.mpu.apply()
         self.chip.stale = True
         if self.cost is not None:
-            self.stall += EXIT
+            # Those that were stacked come back.
+            self.way_back = EXIT + (FLOATS_STACKED if with_floats and self.lazy is None else 0)
+            self.spend(self.way_back, priority)
             self.cost.leave(number)
-            self.has_left = True
-        sp, control = views.stack.read()
-        self.stack_floats(control)
         memory, offset = self.engine.place(sp, size) or (self.uc.mem_read(sp, size), 0)
         *registers, pc, _ = struct.unpack_from("<8I", memory, offset)
         if with_floats and self.lazy is None:
@@ -308,7 +317,7 @@ class Core:
 
     def run_instructions(self, count):
         uc = self.uc
-        self.accesses, self.unsteady, self.slice, self.has_left = 0, 0, count, False
+        self.accesses, self.unsteady, self.slice, self.way_back = 0, 0, count, 0
         self.loops = False
         try:
             uc.emu_start(self.pc, RETURNS[0], 0, count)
@@ -332,6 +341,8 @@ class Core:
         else:
             self.idles(pc)
             self.pc = pc | 1
+            if self.cost is not None and self.cost.begun > count:
+                self.cost.cut(self.cost.begun - count, pc)
             at = pc - 2 - FLASH
             if self.engine.flash[at : at + 2] == WFI:
                 self.sleeping = True

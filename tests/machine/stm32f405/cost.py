@@ -1,15 +1,18 @@
 """What the core's instructions cost: a model, where the rest of this machine counts one clock for each. `Core.count_cost` switches it on.
 
 It knows flash with five wait states behind the accelerator (RM0090, 3.4: 64 lines of instructions and 8 of data, 16 bytes each, the least
-recently used one makes way, the next line fetched ahead), what branches, loads, divisions and exceptions take (Cortex-M4 TRM, 3.3, and PM0214,
-2.3.7), and the way to a peripheral through its bridge. It knows nothing of two masters that want the same memory at once. No silicon has confirmed
-it. With it on, the machine has a moment for each block of instructions, so that waits, masked interrupts and stacks are seen as they are.
+recently used one makes way, the next line fetched ahead), what branches, loads, divisions, the FPU and exceptions take (Cortex-M4 TRM, 3.3 and
+7.2.3, and PM0214, 2.3.7), and the way to a peripheral through its bridge. Instructions in RAM take turns with their constants, and with a stack
+that is there too, a clock for each word; of other masters that want the same memory at once it knows nothing. No silicon has confirmed it. With it
+on, the machine has a moment for each block of instructions, so that waits, masked interrupts and stacks are seen as they are.
 """
 
 import collections
 
 from unicorn import UC_HOOK_BLOCK, UC_HOOK_MEM_READ
 from unicorn.arm_const import UC_ARM_REG_BASEPRI, UC_ARM_REG_PRIMASK, UC_ARM_REG_SP
+
+from .fpu import Fpu, is_float
 
 #: Clocks of waiting for a line of flash at 168 MHz and 3.3 V.
 WAIT_STATES = 5
@@ -26,6 +29,12 @@ ENTRY, EXIT, CHAINED = 12, 12, 6
 BUSES = ((0x1_0000, 10), (0x2_0000, 5), (0x8_0000, 1))
 
 FLASH, FLASH_END = 0x0800_0000, 0x0810_0000
+
+#: RAM: at its own address it is fetched from by the system bus, which holds each word for a clock; mapped to 0, by the bus for instructions.
+RAM = 0x2000_0000
+
+#: Registers by which a program reaches its stack, and its constants.
+SP, PC = 13, 15
 
 
 def access(offset):
@@ -67,6 +76,21 @@ def extra(half, second):
     return 0
 
 
+def words(half, second):
+    """Words of the stack that an instruction has, and words of its constants."""
+    if not is_wide(half):
+        if half >> 12 == 0xB and half >> 9 & 3 == 2:
+            return (half & 0x1FF).bit_count(), 0
+        return int(half >> 12 == 9), int(half >> 11 == 0b01001)
+    if is_float(half, second):
+        count = 0 if half >> 8 == 0xEE else 1 + (second >> 8 & 1) if half & 0x120 == 0x100 else second & 0xFF
+    elif half & 0xFE40 == 0xE800:
+        count = second.bit_count()
+    else:
+        count = 2 if half & 0xFE40 == 0xE840 else int(half & 0xFE00 == 0xF800)
+    return count if half & 0xF == SP else 0, count if half & 0xF == PC else 0
+
+
 class Lines:
     """A cache of lines of flash; the least recently used one makes way."""
 
@@ -93,6 +117,8 @@ class Cost:
         #: The address behind the block that runs, and what this slice has cost beyond its instructions, and how many of these it has begun.
         self.next, self.extra, self.begun = 0, 0, 0
         self.look = False
+        #: Clocks beyond the first one of each instruction of this block.
+        self.extras = ()
         #: Since when what is masked: by PRIMASK, and by BASEPRI up to a level.
         self.masked = {}
         self.longest = collections.Counter()
@@ -118,11 +144,16 @@ class Cost:
     def leave(self, number):
         """It has ended. Those that had begun before there was a model of cost are not counted."""
         if self.entered:
-            self.runs[number] = max(self.runs[number], self.now() - self.entered.pop())
+            self.runs[number] = max(self.runs[number], self.now() + self.core.stall - self.entered.pop())
 
     def now(self):
         """The moment in the slice, to a block."""
         return self.core.chip.time + self.begun + self.extra
+
+    def cut(self, count, at):
+        """The slice has ended at an address in the middle of a block; so many of its instructions are for the next one."""
+        self.extra -= sum(self.extras[-count:])
+        self.next = at
 
     def take(self):
         """What the slice has cost beyond its instructions; a new one begins."""
@@ -131,16 +162,25 @@ class Cost:
 
     def decode(self, address, size):
         code = bytes(self.uc.mem_read(address, size + 2))
-        count, clocks, look, i = 0, 0, False, 0
+        extras, look, i, fpu = [], False, 0, Fpu()
         while i < size:
             half = int.from_bytes(code[i : i + 2], "little")
             second = int.from_bytes(code[i + 2 : i + 4], "little")
-            count += 1
-            clocks += extra(half, second)
+            if is_float(half, second):
+                extras.append(fpu.extra(half, second))
+            else:
+                extras.append(extra(half, second))
+                fpu.pass_by(1 + extras[-1])
+            if address < FLASH and self.core.engine.has_low_ram:
+                of_stack, constants = words(half, second)
+                extras[-1] += constants + (of_stack if self.core.top > RAM else 0)
+            elif address >= RAM:
+                extras[-1] += 1
             look |= looks_at(half, second)
             i += 4 if is_wide(half) else 2
+        extras[-1] += fpu.rest()
         lines = range(address // LINE, (address + size - 1) // LINE + 1) if FLASH <= address < FLASH_END else ()
-        return count, clocks, look, lines
+        return extras, look, lines
 
     def on_block(self, _uc, address, size, _):
         if self.look:
@@ -148,7 +188,8 @@ class Cost:
         known = self.blocks.get((address, size))
         if known is None:
             known = self.blocks[address, size] = self.decode(address, size)
-        count, clocks, self.look, lines = known
+        self.extras, self.look, lines = known
+        clocks = sum(self.extras)
         goes_on = address == self.next
         if not goes_on:
             clocks += BRANCH
@@ -159,7 +200,7 @@ class Cost:
             goes_on = True
         self.next = address + size
         self.extra += clocks
-        self.begun += count
+        self.begun += len(self.extras)
 
     def on_read(self, _uc, _access, address, _size, _value, _):
         if not self.data.holds(address // LINE):

@@ -5,7 +5,7 @@ import collections
 import ctypes
 import struct
 
-from unicorn import UC_ARCH_ARM, UC_HOOK_INTR, UC_HOOK_MEM_INVALID, UC_HOOK_MEM_WRITE, UC_MODE_MCLASS, UC_MODE_THUMB, UC_PROT_ALL, Uc
+from unicorn import UC_ARCH_ARM, UC_HOOK_INTR, UC_HOOK_MEM_INVALID, UC_HOOK_MEM_WRITE, UC_MODE_MCLASS, UC_MODE_THUMB, UC_PROT_ALL, UC_PROT_EXEC, UC_PROT_READ, Uc
 from unicorn.arm_const import (
     UC_ARM_REG_BASEPRI, UC_ARM_REG_CONTROL, UC_ARM_REG_D0, UC_ARM_REG_FPSCR, UC_ARM_REG_LR, UC_ARM_REG_PRIMASK,
     UC_ARM_REG_R0, UC_ARM_REG_R12, UC_ARM_REG_SP, UC_ARM_REG_XPSR, UC_CPU_ARM_CORTEX_M4,
@@ -23,6 +23,9 @@ SYSTEM_MEMORY, SYSTEM_MEMORY_SIZE = 0x1FFF_7000, 0x1000
 #: A serial number, 1 MiB of flash, and what the temperature sensor reads at 30 °C and 110 °C.
 UNIQUE_ID = bytes.fromhex("2a003b000d51353238333733")
 CALIBRATION = struct.pack("<HH", 943, 1194)
+
+#: How much of each memory is at 0 too, where it is mapped there (RM0090, 2.4): of RAM the first block.
+LOW_RAM_SIZE = 0x1_C000
 
 #: Where the parameters are stored.
 PARAMETERS, PARAMETERS_SIZE = 0x0800_8000, 0x8000
@@ -84,6 +87,9 @@ class Engine:
         for offset, data in ((0xA10, UNIQUE_ID), (0xA22, struct.pack("<H", 1024)), (0xA2C, CALIBRATION)):
             self.system[offset : offset + len(data)] = data
         self.state = self.registers(STATE)
+        #: Whether the RAM is at 0, and not the flash, from which the core starts.
+        self.has_low_ram = None
+        self.map_low(False)
         self.connect()
 
     def map(self, address, size):
@@ -91,6 +97,16 @@ class Engine:
         memory = (ctypes.c_uint8 * size)()
         self.uc.mem_map_ptr(address, size, UC_PROT_ALL, ctypes.addressof(memory))
         return memoryview(memory).cast("B")
+
+    def map_low(self, ram):
+        """What is at 0 as well: the RAM, or the flash, which nobody programs there."""
+        if ram == self.has_low_ram:
+            return
+        if self.has_low_ram is not None:
+            self.uc.mem_unmap(0, LOW_RAM_SIZE if self.has_low_ram else FLASH_SIZE)
+        memory, size, rights = (self.ram, LOW_RAM_SIZE, UC_PROT_ALL) if ram else (self.flash, FLASH_SIZE, UC_PROT_READ | UC_PROT_EXEC)
+        self.uc.mem_map_ptr(0, size, rights, ctypes.addressof(ctypes.c_uint8.from_buffer(memory)))
+        self.has_low_ram = ram
 
     def connect(self):
         """The buses."""
@@ -151,6 +167,7 @@ class Engine:
         for mine, its in ((self.ram, twin.ram), (self.ccm, twin.ccm)):
             its[:] = mine
         twin.parameters[:] = self.parameters
+        twin.map_low(self.has_low_ram)
         twin.state.write(self.state.read())
         return twin
 

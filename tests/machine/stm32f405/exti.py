@@ -1,16 +1,31 @@
-"""Edges of pins (RM0090, 9 and 12): SYSCFG chooses the port of each line, EXTI sees its edges."""
+"""Edges of pins (RM0090, 9 and 12): SYSCFG chooses the port of each line, EXTI sees its edges. SYSCFG chooses too what is at address 0."""
 
 from .interrupts import IRQ
 from .registers import Peripheral, Register
 
 LINES = 0x7F_FFFF
 
+#: MEMRMP: RAM at 0.
+LOW_RAM = 3
+
 
 class Syscfg(Peripheral):
     NAME = "SYSCFG"
     WRITE_SIZES = (1, 2, 4)
     CLOCK = (0x44, 14)
-    REGISTERS = {0x08 + 4 * i: Register(f"EXTICR{i + 1}", 0xFFFF) for i in range(4)}
+    REGISTERS = {0x00: Register("MEMRMP", 3)} | {0x08 + 4 * i: Register(f"EXTICR{i + 1}", 0xFFFF) for i in range(4)}
+
+    def reset(self):
+        super().reset()
+        self.chip.engine.map_low(False)
+
+    def write_MEMRMP(self, value):
+        if value not in (0, LOW_RAM):
+            self.breach(f"MEMRMP {value}: the system memory or one outside at 0 is not modelled")
+        if value == LOW_RAM and not self.chip.core.system.stored[0xED08]:
+            self.breach("RAM at 0, where vectors are fetched from")
+        self["MEMRMP"] = value
+        self.chip.engine.map_low(value == LOW_RAM)
 
     def port(self, line):
         # Its registers need a clock, what they choose does not.

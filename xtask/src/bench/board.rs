@@ -1,4 +1,5 @@
-//! Waits, masked interrupts, stacks and shares of the image of the board under load, on the model of its chip (`tests/machine/measure.py`).
+//! Waits, masked interrupts, stacks and shares of the images of the boards under load, on the model of their chip (`tests/machine/measure.py`,
+//! `measure_servo.py`).
 
 use std::process::{Command, Stdio};
 
@@ -13,17 +14,40 @@ use crate::{place, setup};
 /// A wait that moved by no more clocks is the same: what the core does is exact to a slice of instructions.
 const SLACK: u64 = 200;
 
-/// Builds the image of the board and runs it under load.
-pub fn measure() -> Result<Table> {
+/// A period of the currents that moved by no more clocks is the same.
+const PERIOD_SLACK: u64 = 10;
+
+/// Builds the images of the boards and runs them under load.
+pub fn measure() -> Result<[Table; 2]> {
     let python = setup::python_environment()?;
     setup::rust_target()?;
-    let mut command = Command::new(python);
-    command
-        .env("PYTHONDONTWRITEBYTECODE", "1")
-        .current_dir(place::root());
-    command.arg("tests/machine/measure.py");
-    command.arg("--image").arg(Image::Board.build()?);
+    let run = |program: &str, images: &[(&str, Image)], slack| {
+        let mut command = Command::new(&python);
+        command.arg(program);
+        for (option, image) in images {
+            command.arg(option).arg(image.build()?);
+        }
+        table(command, program, slack)
+    };
+    let servos = [
+        ("--odrive36", Image::Odrive),
+        ("--stepper405", Image::Stepper),
+    ];
+    Ok([
+        run(
+            "tests/machine/measure.py",
+            &[("--image", Image::Board)],
+            SLACK,
+        )?,
+        run("tests/machine/measure_servo.py", &servos, PERIOD_SLACK)?,
+    ])
+}
+
+/// The table that a program prints.
+fn table(mut command: Command, program: &str, slack: u64) -> Result<Table> {
     let output = command
+        .env("PYTHONDONTWRITEBYTECODE", "1")
+        .current_dir(place::root())
         .stderr(Stdio::inherit())
         .output()
         .context("starting Python")?;
@@ -34,10 +58,10 @@ pub fn measure() -> Result<Table> {
             tell!("{line}");
         }
     }
-    ensure!(output.status.success(), "the board failed under its load");
+    ensure!(
+        output.status.success(),
+        "{program}: a board failed under its load"
+    );
     let table = tables.pop().context("no table of the board")?;
-    Ok(Table {
-        slack: SLACK,
-        ..table
-    })
+    Ok(Table { slack, ..table })
 }

@@ -46,7 +46,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let mut tables = image::count()?;
     tables.extend(exactness::measure()?);
-    tables.push(board::measure()?);
+    tables.extend(board::measure()?);
     tables.push(basic_device()?);
     let whole = size::of(Image::Whole)?;
     tables.push(sizes(&whole));

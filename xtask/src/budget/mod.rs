@@ -2,6 +2,7 @@
 //!
 //! `cargo xtask size` prints these figures behind those of each crate, and docs/benchmarks.md holds them beside their goals.
 
+mod instruction;
 mod lines;
 mod stack;
 
@@ -45,6 +46,11 @@ pub fn figures(whole: &Sizes) -> Result<Vec<(String, u64)>> {
     let servo = size::of(Image::Odrive)?;
     row("odrive36, flash".to_owned(), servo.total.flash);
     row("servo in it, flash".to_owned(), servo.flash_of("servo"));
+    let servo_for_size = size::of(Image::OdriveForSize)?;
+    row(
+        "servo in it for size, flash".to_owned(),
+        servo_for_size.flash_of("servo"),
+    );
     let stack = stack_of(Image::Odrive)?;
     row(
         "odrive36, RAM with the stack".to_owned(),

@@ -353,6 +353,7 @@ fn any_inputs() -> Inputs {
             }),
         },
         stall: (any() == 0).then(|| any() == 0),
+        absolute_turn: any(),
         position_tolerance: any(),
         supply_voltage: (any() == 0).then(any),
         temperature: (any() == 0).then(|| any() as i16),

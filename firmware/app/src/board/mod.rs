@@ -9,7 +9,7 @@
 //! and the function that does not exist.
 
 use canopen::settings::Wish;
-use cia402::{Behaves, ServoOrder, ServoReport};
+use cia402::{Behaves, RatedMotor, ServoOrder, ServoReport};
 use embedded_storage::nor_flash::NorFlash;
 
 use crate::control::{Moving, TIMING};
@@ -198,7 +198,12 @@ pub trait Pulses: PulseSink {
     /// The motor gets current, and nothing is played: outputs that were cut off go on, if what has cut them off is over.
     fn mend(&mut self);
 
-    /// What a servo is to do from now on; a board with a step driver has none, as with the next two.
+    /// The motor of a servo; a board with a step driver has none, as with the next three.
+    fn motor(&self) -> RatedMotor {
+        RatedMotor::NONE
+    }
+
+    /// What a servo is to do from now on.
     fn order(&mut self, order: &ServoOrder) {
         let _ = order;
     }

@@ -239,8 +239,11 @@ macro_rules! every_parameter {
                 setting MaxTorque max_torque 0x6072:0 u16 = u16::MAX, "0.1 %" => max: plain;
                 setting MaxCurrent max_current 0x6073:0 u16 = u16::MAX, "0.1 %" => max_current: plain;
                 shown TorqueDemand set_torque_demand 0x6074:0 i16 = _, "0.1 %";
+                /// The motor's own, with 0, as its torque.
                 setting MotorRatedCurrent motor_rated_current 0x6075:0 u32 = 0, "mA" => rated_current: plain;
                 setting MotorRatedTorque motor_rated_torque 0x6076:0 u32 = 0, "mNm" => rated: plain;
+                /// The motor's own, with 0.
+                setting MotorInertia motor_inertia 0x20C2:5 u32 = 0, "g mm2" => inertia: plain;
                 shown TorqueActualValue set_torque_actual_value 0x6077:0 i16 = _, "0.1 %";
                 shown CurrentActualValue set_current_actual_value 0x6078:0 i16 = _, "0.1 %";
                 setting TorqueSlope torque_slope 0x6087:0 u32 = u32::MAX, "0.1 %/s" from 1 => slope: plain;

@@ -11,6 +11,7 @@
 //! the one before, from whatever the motor does now. What has been committed already is done as it was: a demand begins at
 //! [`Actuator::committed_position`], with [`Actuator::committed_velocity`].
 
+mod rated_motor;
 mod servo_axis;
 mod step_axis;
 
@@ -19,6 +20,7 @@ use motion::{Demand, Direction, FollowError, Limits, Position, Ramps, SignedSpee
 use crate::configuration::Configuration;
 use crate::cyclic::MicrosQ16;
 
+pub use rated_motor::RatedMotor;
 pub use servo_axis::{ServoAxis, ServoGoal, ServoOrder, ServoPort, ServoReport};
 pub use step_axis::{Emitter, EmitterLock, StepAxis};
 
@@ -137,6 +139,12 @@ pub trait Actuator: 'static {
 
     /// The fastest that the motor can go.
     fn max_velocity(&self) -> Speed;
+
+    /// The hardest ramp, in steps/s², on which the motor can slow down from its present velocity within the limits of its torque, as far as
+    /// that is known: what drives it aside.
+    fn max_deceleration(&self) -> u32 {
+        u32::MAX
+    }
 
     /// The window of the mean that the motor follows (6086h = 2), in microseconds, rounded up; 0 if it follows none.
     fn window(&self) -> u64;

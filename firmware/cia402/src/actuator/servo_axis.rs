@@ -16,8 +16,8 @@ use motion::{
 };
 
 use super::{
-    Actuator, ActuatorErrors, AtPort, Emitter, EmitterLock, NotSupported, PathEnd, Refused,
-    StepAxis, Torque, TorqueLimits, unwrapped,
+    Actuator, ActuatorErrors, AtPort, Emitter, EmitterLock, NotSupported, PathEnd, RatedMotor,
+    Refused, StepAxis, Torque, TorqueLimits, unwrapped,
 };
 use crate::board::DriveConfig;
 use crate::configuration::Configuration;
@@ -94,6 +94,9 @@ impl ServoReport {
 
 /// The port of a servo axis. Records are played for their time alone.
 pub trait ServoPort: PulseSink {
+    /// What is at the port.
+    fn motor(&self) -> RatedMotor;
+
     /// What is to be done from now on.
     fn order(&mut self, order: &ServoOrder);
 
@@ -121,9 +124,9 @@ pub struct ServoAxis<L = Emitter> {
     limits: TorqueLimits,
     ahead: i16,
     velocity_ahead: SignedSpeed,
-    /// 6075h in mA and 6076h in mN·m.
-    rated_current: u32,
-    rated: u32,
+    /// That of the board, and what is set up instead: 6075h, 6076h and 20C2h:5 where they are not 0.
+    own: RatedMotor,
+    motor: RatedMotor,
     /// Last, as it is large: so it is made where it stays.
     path: StepAxis<L>,
 }
@@ -143,8 +146,8 @@ impl<L: EmitterLock> ServoAxis<L> {
             limits: TorqueLimits::NONE,
             ahead: 0,
             velocity_ahead: SignedSpeed::ZERO,
-            rated_current: 0,
-            rated: 0,
+            own: RatedMotor::NONE,
+            motor: RatedMotor::NONE,
             path: StepAxis::new(config, emitter),
         }
     }
@@ -208,13 +211,14 @@ impl<L: EmitterLock> ServoAxis<L> {
             }
         };
         let torque = i32::from(self.held.unwrap_or(self.ahead));
-        let torque = torque.saturating_mul(i32::try_from(self.rated).unwrap_or(i32::MAX));
+        let rated = self.rated();
+        let torque = torque.saturating_mul(i32::try_from(rated.torque).unwrap_or(i32::MAX));
         let max = |limit: u16, rated: u32| match limit {
             u16::MAX => u32::MAX,
             _ => u32::from(limit).saturating_mul(rated),
         };
-        let positive = max(self.limits.positive, self.rated);
-        let negative = max(self.limits.negative, self.rated);
+        let positive = max(self.limits.positive, rated.torque);
+        let negative = max(self.limits.negative, rated.torque);
         port.order(&ServoOrder {
             goal,
             torque: self.signed(torque),
@@ -224,7 +228,7 @@ impl<L: EmitterLock> ServoAxis<L> {
             } else {
                 (positive, negative)
             },
-            current: match max(self.limits.current, self.rated_current) {
+            current: match max(self.limits.current, rated.current) {
                 u32::MAX => u32::MAX,
                 limit => limit / 1_000,
             },
@@ -238,6 +242,11 @@ impl<L: EmitterLock> ServoAxis<L> {
         } else {
             value
         }
+    }
+
+    /// What thousandths are of.
+    const fn rated(&self) -> RatedMotor {
+        self.motor.or(self.own)
     }
 
     /// In thousandths of what is rated.
@@ -254,6 +263,33 @@ impl<L: EmitterLock> ServoAxis<L> {
     }
 }
 
+impl<L: EmitterLock> ServoAxis<L> {
+    /// The deceleration, in counts/s², of what the limits leave of the torque against the motion.
+    fn braking(&self) -> u32 {
+        let (rated, own) = (self.rated(), self.own);
+        let limit = if self.committed_velocity().bits() < 0 {
+            self.limits.positive
+        } else {
+            self.limits.negative
+        };
+        // In µN·m; of the current in µA.
+        let by_torque = u64::from(limit).saturating_mul(rated.torque.into());
+        let by_current = u64::from(self.limits.current)
+            .saturating_mul(rated.current.into())
+            .saturating_mul(own.torque.into())
+            .checked_div(own.current.into());
+        let most = by_torque.min(by_current.unwrap_or(u64::MAX));
+        // µN·m / g·mm² are 1000 rad/s², and 1000 / 2π is 159.155.
+        let braking = most
+            .saturating_mul(own.counts.into())
+            .saturating_mul(159)
+            .checked_div(rated.inertia.into());
+        braking.map_or(u32::MAX, |braking| {
+            u32::try_from(braking).unwrap_or(u32::MAX)
+        })
+    }
+}
+
 impl TorqueLimits {
     /// The motor's own.
     pub const NONE: Self = Self {
@@ -266,8 +302,13 @@ impl TorqueLimits {
 
 impl<L: EmitterLock, P: ServoPort> AtPort<P> for ServoAxis<L> {
     fn set_up(&mut self, configuration: &Configuration) {
-        self.rated = configuration.torque.rated;
-        self.rated_current = configuration.torque.rated_current;
+        let torque = &configuration.torque;
+        self.motor = RatedMotor {
+            current: torque.rated_current,
+            torque: torque.rated,
+            inertia: torque.inertia,
+            counts: 0,
+        };
     }
 
     fn set_shift(&mut self, shift: i64) {
@@ -287,11 +328,13 @@ impl<L: EmitterLock, P: ServoPort> AtPort<P> for ServoAxis<L> {
             position: unwrapped(counts.wrapping_add(self.shift), before),
             velocity: self.turned(report.velocity),
         };
+        self.own = port.motor();
+        let rated = self.rated();
         self.torque = Torque {
-            demand: self.share(report.demand, self.rated),
-            actual: self.share(report.torque, self.rated),
+            demand: self.share(report.demand, rated.torque),
+            actual: self.share(report.torque, rated.torque),
             // mA become µA, as thousandths of mA are.
-            current: self.share(report.current.saturating_mul(1_000), self.rated_current),
+            current: self.share(report.current.saturating_mul(1_000), rated.current),
             is_limited: report.is_limited,
         };
         self.let_go(report.wants_free);
@@ -336,6 +379,7 @@ impl<L: EmitterLock> Actuator for ServoAxis<L> {
     fn destination(&self) -> i64 { if self.held.is_some() { self.rotor.position } else { self.path.destination() } }
     fn is_ending(&self) -> bool { self.held.is_none() && self.path.is_ending() }
     fn max_velocity(&self) -> Speed { self.path.max_velocity() }
+    fn max_deceleration(&self) -> u32 { self.braking() }
     fn window(&self) -> u64 { if self.held.is_some() { 0 } else { self.path.window() } }
     fn is_following(&self) -> bool { self.held.is_none() && self.path.is_following() }
     fn is_running_out(&self, time: MicrosQ16) -> bool { self.held.is_none() && self.path.is_running_out(time) }

@@ -41,8 +41,7 @@ impl CyclicTorque {
 
     /// A limit switch is stopping the motor.
     pub(super) fn on_limit(&mut self, motor: &Motor<impl Actuator>) {
-        let demand = motor.torque().map_or(0, |torque| torque.demand);
-        self.held.on_limit(demand);
+        self.held.on_limit(motor);
     }
 
     /// One control tick; returns statusword bits 10 to 12.
@@ -53,6 +52,7 @@ impl CyclicTorque {
                 self.is_halted = true;
                 context.halt();
             }
+            self.held.forget();
             self.torque = None;
             let stands = context.is_halted() && context.motor.standstill();
             return if stands { TARGET_REACHED } else { 0 };
@@ -74,6 +74,7 @@ impl CyclicTorque {
             }
         }
         let Some(torque) = self.torque else {
+            self.held.forget();
             if !context.motor.is_stopping() && !context.motor.standstill() {
                 context.stop_on(StopRamp::QuickStop);
             }

@@ -43,8 +43,7 @@ impl ProfileTorque {
 
     /// A limit switch is stopping the motor.
     pub(super) fn on_limit(&mut self, motor: &Motor<impl Actuator>) {
-        let demand = motor.torque().map_or(0, |torque| torque.demand);
-        self.held.on_limit(demand);
+        self.held.on_limit(motor);
     }
 
     /// One control tick; returns statusword bits 10 and 11.
@@ -55,6 +54,7 @@ impl ProfileTorque {
                 self.is_halted = true;
                 context.halt();
             }
+            self.held.forget();
             self.demand = None;
             let stands = context.is_halted() && context.motor.standstill();
             return if stands { TARGET_REACHED } else { 0 };

@@ -166,7 +166,7 @@ impl Current {
         self.work == Work::Nothing
     }
 
-    /// Of the encoder, from where it began.
+    /// Of the encoder, from where it began; from its zero, if it is absolute.
     pub fn position(&self) -> i64 {
         self.interrupt.encoder.position()
     }

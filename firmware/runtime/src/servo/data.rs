@@ -36,7 +36,8 @@ pub enum Feedback {
     Incremental,
     /// Hall sensors beside it, for [`Loops::hall`](super::Loops::hall): nothing is looked for.
     Hall,
-    /// The word of an absolute encoder in place of it, for [`Loops::word`](super::Loops::word): nothing is looked for.
+    /// The word of an absolute encoder in place of it, for [`Loops::word`](super::Loops::word): nothing is looked for, and positions begin at the angle within
+    /// the turn.
     Absolute {
         /// Of a word, 12 to 20.
         bits: u8,

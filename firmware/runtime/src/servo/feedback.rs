@@ -53,8 +53,8 @@ pub(super) enum Sensor {
 #[derive(Clone, Debug)]
 pub(super) struct Single {
     absolute: Absolute,
-    /// Where its position was at the first word.
-    first: Option<i64>,
+    /// A word has come, and the position counts from the zero of the encoder.
+    is_placed: bool,
     /// Whether the count has the angle of the word.
     is_aligned: bool,
 }
@@ -80,7 +80,7 @@ impl Sensor {
                 absolute.set_angle(offset);
                 Self::Absolute(Single {
                     absolute,
-                    first: None,
+                    is_placed: false,
                     is_aligned: false,
                 })
             }
@@ -101,15 +101,25 @@ impl Sensor {
         }
         self.align();
     }
+
+    /// It counts the other way: so does the position from its zero.
+    pub(super) fn turn(&mut self) {
+        if let Self::Absolute(single) = self {
+            single.is_placed = false;
+        }
+        self.restart();
+    }
 }
 
 impl Single {
-    /// What a timer of an encoder with so many counts in a turn would show.
+    /// From the zero of the encoder within the turn of the first word on, where a turn has so many counts.
+    fn counted(&self, counts: u32) -> i64 {
+        self.absolute.position().wrapping_mul(counts.into()) >> 32
+    }
+
+    /// What the timer of an incremental encoder in its place would show. Whole turns wrap as that does.
     fn timer(&self, counts: u32) -> u16 {
-        let position = self.absolute.position();
-        let moved = position.wrapping_sub(self.first.unwrap_or(position));
-        // Whole turns wrap as the timer does.
-        (moved.wrapping_mul(counts.into()) >> 32) as u16
+        self.counted(counts) as u16
     }
 }
 
@@ -141,13 +151,23 @@ impl Current {
         }
         let told = |settings: &SensorSettings| (settings.hall, settings.is_searched);
         let is_told_anew = told(&settings) != told(&before);
-        let counts_anew = |settings: &SensorSettings| (settings.is_turned, settings.encoder);
-        if is_told_anew || counts_anew(&settings) != counts_anew(&before) {
+        if settings.is_turned != before.is_turned {
+            self.sensor.turn();
+        } else if is_told_anew || settings.encoder != before.encoder {
             self.sensor.restart();
         }
         if is_told_anew && !matches!(self.sensor, Sensor::None) {
             let search = Commutation::new(&self.motor, self.motor.rated_current, self.period).ok();
             self.search = search.filter(|_| settings.is_searched);
+        }
+    }
+
+    /// Positions in a turn, once an absolute encoder has told where in it the rotor is: [`Current::position`] counts from its zero. 0 before, and with any
+    /// other encoder, which counts from where it began.
+    pub fn absolute_turn(&self) -> u32 {
+        match &self.sensor {
+            Sensor::Absolute(single) if single.is_placed => self.motor.counts,
+            _ => 0,
         }
     }
 
@@ -178,8 +198,8 @@ impl Current {
     }
 
     /// The word of the absolute encoder, before each [`Current::period`] with [`Feedback::Absolute`]; `None` where the line is broken or its check fails.
-    /// Returns what takes the place of the timer in [`Counts`](servo::interrupt::Counts), from 0 at the first word on. While there is power it is a fault
-    /// that there is no word, or one further away than the rotor can have come.
+    /// Returns what takes the place of the timer in [`Counts`](servo::interrupt::Counts); the position is the angle within the turn at the first word, and
+    /// goes on from there. While there is power it is a fault that there is no word, or one further away than the rotor can have come.
     pub fn word(&mut self, word: Option<u32>) -> u16 {
         let Sensor::Absolute(single) = &mut self.sensor else {
             return 0;
@@ -201,8 +221,16 @@ impl Current {
             single.absolute.resume(word);
             single.is_aligned = false;
         }
-        single.first.get_or_insert(single.absolute.position());
         let timer = single.timer(counts);
+        if !single.is_placed {
+            single.is_placed = true;
+            let counted = single.counted(counts);
+            let counted = match self.settings.is_turned {
+                true => counted.wrapping_neg(),
+                false => counted,
+            };
+            self.interrupt.encoder.begin_at(timer, counted);
+        }
         if !single.is_aligned && !self.settings.is_searched {
             single.is_aligned = true;
             single.absolute.set_pole_pairs(self.motor.pole_pairs);
@@ -220,3 +248,6 @@ impl Current {
         timer
     }
 }
+
+#[cfg(test)]
+mod tests;

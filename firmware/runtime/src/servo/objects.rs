@@ -1,6 +1,7 @@
 //! Between the objects of a servo and its loops: gains and data of the motor, orders to measure it, and what was found.
 
 use canopen::od::{self, Dictionary};
+use cia402::RatedMotor;
 
 use super::{Found, Request, ServoSettings, StepperSettings};
 
@@ -64,6 +65,15 @@ impl ServoObjects {
     /// Shows the lead of a stepper's field, in hundredths of a full step.
     pub fn show_lead<D: Dictionary>(dictionary: &mut D, lead: u16) {
         od::write_u16(dictionary, 0x20C4, 7, lead);
+    }
+
+    /// Shows the rated current and torque of the motor, unless a master has given others.
+    pub fn show_rated<D: Dictionary>(dictionary: &mut D, motor: RatedMotor) {
+        for (index, own) in [(0x6075, motor.current), (0x6076, motor.torque)] {
+            if od::read_u32(dictionary, index, 0) == Some(0) {
+                od::write_u32(dictionary, index, 0, own);
+            }
+        }
     }
 
     /// Shows what was found, if that is not what was shown last. A command that has ended is none any more, so that the next one can be the same.

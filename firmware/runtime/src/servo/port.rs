@@ -2,8 +2,9 @@
 
 use core::cell::Cell;
 
-use cia402::{ServoOrder, ServoPort, ServoReport};
+use cia402::{RatedMotor, ServoOrder, ServoPort, ServoReport};
 use motion::{PulseSink, Record, Ticks};
+use servo::Motor;
 
 use super::link::Link;
 
@@ -23,6 +24,7 @@ pub struct Port {
     timer: u16,
     /// Its counts in a turn, and the positions in one.
     counts: (i64, i64),
+    motor: RatedMotor,
 }
 
 impl Port {
@@ -35,6 +37,23 @@ impl Port {
             asked: Cell::new(now),
             timer,
             counts: (1, 1),
+            motor: RatedMotor::NONE,
+        }
+    }
+
+    /// The same with a motor.
+    pub fn with_motor(mut self, motor: &Motor) -> Self {
+        self.motor = Self::rated(motor);
+        self
+    }
+
+    /// A motor as its axis knows it.
+    pub fn rated(motor: &Motor) -> RatedMotor {
+        RatedMotor {
+            current: (motor.rated_current * 1e3 + 0.5) as u32,
+            torque: (motor.rated_torque() * 1e3 + 0.5) as u32,
+            inertia: (motor.inertia * 1e9 + 0.5) as u32,
+            counts: motor.counts,
         }
     }
 
@@ -44,7 +63,7 @@ impl Port {
         self
     }
 
-    /// The position of the encoder, in counts from where it began.
+    /// The position of the encoder, in counts from where it began; from its zero, if it is absolute.
     pub fn position(&self) -> i64 {
         self.link.status().report.counts
     }
@@ -90,6 +109,10 @@ impl PulseSink for Port {
 }
 
 impl ServoPort for Port {
+    fn motor(&self) -> RatedMotor {
+        self.motor
+    }
+
     fn order(&mut self, order: &ServoOrder) {
         self.link.order(order, self.asked.get());
     }

@@ -26,9 +26,9 @@ impl Control {
             return Rotor::ZERO;
         };
         let position = demand.position.unwrap_or_default();
-        let part = (demand.part * 65_536.0) as i64;
+        let part = (demand.part * 65_536.0) as i32;
         let demand = StepperDemand {
-            position: position.saturating_mul(1 << 16).saturating_add(part),
+            position: position.wrapping_shl(16).wrapping_add(part.into()),
             speed: demand.velocity * f32::from(self.motor.pole_pairs),
             is_at_rest: demand.velocity == 0.0 && demand.acceleration == 0.0,
         };
@@ -44,7 +44,7 @@ impl Control {
         let field = stepper.run(&demand, &rotor, max);
         let from = seen.angle;
         // Beside the stator it pulls back at once a rotor that swings; a rotor that runs away from it leads it, so that it is never beyond where it pulls hardest.
-        let away = (demand.speed - rotor.speed).abs() * self.config.period * TURN_OF_RADIAN;
+        let away = (demand.speed - rotor.speed).abs() * self.period * TURN_OF_RADIAN;
         let ahead = field.angle.minus(rotor.angle).turns().abs();
         let stands = away < 0.05 && ahead + 2.0 * away < 0.25;
         self.field = stands.then_some((from, demand.speed));

@@ -5,7 +5,7 @@ use crate::interrupt::Snapshot;
 use crate::motor::{Implausible, Motor, Wiring};
 use crate::number::{between, fade, is_within, root};
 use crate::protection::{Blocked, PhaseLoss};
-use crate::transform::{Rotor, Stator};
+use crate::transform::{Rotor, direction};
 
 /// An unknown voltage above this share of the rated voltage of the winding shows that the encoder is wrong.
 const UNKNOWN: f32 = 0.35;
@@ -26,15 +26,13 @@ const NOTHING: f32 = 0.03;
 /// See the module.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Watch {
-    motor: Motor,
     period: f32,
     max_speed: f32,
     blocked: Blocked,
     phase_loss: PhaseLoss,
     /// For how long the unknown voltage has been too large, in s.
     astray: f32,
-    /// The frozen reading of each phase, and for how long it has been so, in s.
-    still: [(f32, f32); 3],
+    readings: [Reading; 3],
     /// For how long the sum of the phase currents has been too large, in s.
     unequal: f32,
     /// The current that the loop should have reached by now.
@@ -45,28 +43,26 @@ impl Watch {
     /// # Errors
     /// With what [`Blocked::new`] and [`PhaseLoss::new`] refuse, or a greatest speed outside 1 to 10⁴ rad/s.
     pub(super) fn new(motor: &Motor, config: &ControlConfig) -> Result<Self, Implausible> {
+        Implausible::unless(is_within(config.max_speed, 1.0, 1e4))?;
         let (period, rated) = (config.period, motor.rated_current);
         let least = between(0.02 * rated, 1e-3, rated);
         let (speed, time) = config.blocked;
-        let watch = Self {
-            motor: *motor,
+        Ok(Self {
             period,
             max_speed: config.max_speed,
             blocked: Blocked::new(speed, time, period)?,
             phase_loss: PhaseLoss::new(motor.wiring, least, 0.02, period)?,
             astray: 0.0,
-            still: [(0.0, 0.0); 3],
+            readings: [Reading::default(); 3],
             unequal: 0.0,
             due: Rotor::ZERO,
-        };
-        let is_one = is_within(config.max_speed, 1.0, 1e4);
-        is_one.then_some(watch).ok_or(Implausible)
+        })
     }
 
     /// The gates are about to be on.
     pub(super) fn start(&mut self) {
         self.astray = 0.0;
-        self.still = [(0.0, 0.0); 3];
+        self.readings = [Reading::default(); 3];
         self.unequal = 0.0;
         self.due = Rotor::ZERO;
         self.blocked.restart();
@@ -84,6 +80,7 @@ impl Watch {
     /// A period.
     pub(super) fn run(
         &mut self,
+        motor: &Motor,
         seen: &Snapshot,
         is_fed: bool,
         pushes: bool,
@@ -94,21 +91,20 @@ impl Watch {
         if !is_held {
             return Some(Fault::OverSpeed);
         }
-        let angle = seen.angle.sine_cosine();
+        let angle = direction(seen.angle);
         let asked = seen.demand;
         let keeps = fade(seen.rate, self.period);
-        self.due = Rotor {
-            d: asked.d + keeps * (self.due.d - asked.d),
-            q: asked.q + keeps * (self.due.q - asked.q),
-        };
-        let asked = self.due.beside_stator(angle);
-        let carried = current.beside_stator(angle);
-        let phases = |stator: Stator| stator.phases(self.motor.wiring);
+        self.due = self.due.fading_to(asked, keeps);
+        let unknown = seen.unknown;
+        let [asked, carried, acts] = &[
+            phases(self.due, angle, motor),
+            phases(current, angle, motor),
+            phases(unknown, angle, motor),
+        ];
         let (share, time) = ADDED_UP;
+        let rated = motor.rated_current;
         // Of two phases the sum says nothing.
-        if self.motor.wiring == Wiring::TwoPhase
-            || seen.sum.abs() <= share * self.motor.rated_current
-        {
+        if motor.wiring == Wiring::TwoPhase || seen.sum.abs() <= share * rated {
             self.unequal = 0.0;
         } else {
             self.unequal += self.period;
@@ -116,26 +112,22 @@ impl Watch {
         if self.unequal > time {
             return Some(Fault::CurrentSensor);
         }
-        if is_fed && (self.phase_loss.run(phases(asked), phases(carried))).is_some() {
+        if is_fed && self.phase_loss.run(*asked, *carried).is_some() {
             return Some(Fault::PhaseLost);
         }
-        let unknown = seen.unknown;
-        let acts = unknown.beside_stator(angle);
-        if let Some(reading) =
-            self.stands_still(phases(carried), phases(asked), phases(acts), seen.bus)
-        {
-            if reading.abs() < NOTHING * self.motor.rated_current {
+        if let Some(reading) = self.stands_still(motor, carried, asked, acts, seen.bus) {
+            if reading.abs() < NOTHING * rated {
                 return Some(Fault::PhaseLost);
             }
             // Of three the sum tells, and where one is cut the others may stand still.
-            if self.motor.wiring == Wiring::TwoPhase {
+            if motor.wiring == Wiring::TwoPhase {
                 return Some(Fault::CurrentSensor);
             }
         }
         // A magnet that turns where the encoder stands drives what the model does not know.
         let unknown = unknown.square();
-        let known = self.motor.resistance * self.motor.rated_current + 0.03 * seen.bus;
-        let of_current = UNKNOWN * self.motor.resistance;
+        let known = motor.resistance * rated + 0.03 * seen.bus;
+        let of_current = UNKNOWN * motor.resistance;
         // Most of the time it is below what needs no root.
         let is_astray =
             unknown > known * known && root(unknown) > known + of_current * root(current.square());
@@ -153,32 +145,49 @@ impl Watch {
     /// The reading of a phase that stands still though much acts on it.
     fn stands_still(
         &mut self,
-        carried: [f32; 3],
-        asked: [f32; 3],
-        acts: [f32; 3],
+        motor: &Motor,
+        carried: &[f32; 3],
+        asked: &[f32; 3],
+        acts: &[f32; 3],
         bus: f32,
     ) -> Option<f32> {
-        let (time, within, away, share) = STILL;
-        let rated = self.motor.rated_current;
+        let (time, _, away, share) = STILL;
         let mut found = None;
-        let phases = self
-            .still
-            .iter_mut()
-            .zip(carried)
-            .zip(asked.iter().zip(acts));
-        for (((reading, since), carried), (asked, acts)) in phases.take(self.motor.wiring.phases())
-        {
-            let is_still = (carried - *reading).abs() <= within * rated;
-            let is_away = (carried - asked).abs() > away * rated;
-            if is_still && is_away && acts.abs() > share * bus {
-                *since += self.period;
-            } else {
-                (*reading, *since) = (carried, 0.0);
-            }
-            if *since > time {
-                found = Some(*reading);
+        let phases = carried.iter().zip(asked).zip(acts);
+        let phases = self.readings.iter_mut().zip(phases);
+        for (reading, ((carried, asked), acts)) in phases.take(motor.wiring.phases()) {
+            let is_away = (carried - asked).abs() > away * motor.rated_current;
+            let is_acted_on = is_away && acts.abs() > share * bus;
+            reading.look(*carried, is_acted_on, motor.rated_current, self.period);
+            if reading.since > time {
+                found = Some(reading.frozen);
             }
         }
         found
     }
+}
+
+/// The reading of a phase.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Reading {
+    frozen: f32,
+    /// How long it has been so, in s.
+    since: f32,
+}
+
+impl Reading {
+    #[inline(never)]
+    fn look(&mut self, carried: f32, is_acted_on: bool, rated: f32, period: f32) {
+        let is_still = (carried - self.frozen).abs() <= STILL.1 * rated;
+        if is_still && is_acted_on {
+            self.since += period;
+        } else {
+            (self.frozen, self.since) = (carried, 0.0);
+        }
+    }
+}
+
+#[inline(never)]
+fn phases(vector: Rotor, angle: (f32, f32), motor: &Motor) -> [f32; 3] {
+    vector.beside_stator(angle).phases(motor.wiring)
 }

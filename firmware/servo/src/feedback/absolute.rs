@@ -37,7 +37,8 @@ impl Absolute {
     /// # Errors
     /// With fewer than 12 or more than 20 bits, or a reach of half a turn or more.
     pub fn new(motor: &Motor, bits: u8, reach: Angle) -> Result<Self, Implausible> {
-        let absolute = Self {
+        Implausible::unless((12..=20).contains(&bits) && reach.bits() < 1 << 31)?;
+        Ok(Self {
             bits,
             pole_pairs: motor.pole_pairs.into(),
             table: &NO_ERROR,
@@ -45,9 +46,7 @@ impl Absolute {
             last: None,
             position: 0,
             offset: Angle::ZERO,
-        };
-        let is_one = (12..=20).contains(&bits) && reach.bits() < 1 << 31;
-        is_one.then_some(absolute).ok_or(Implausible)
+        })
     }
 
     /// What the shown angle is too great by, at each entry, in parts of 2³² of a turn.

@@ -95,11 +95,9 @@ impl Commutation {
     /// # Errors
     /// With a current outside 1 mA to the peak of the motor, or a period outside 5 µs to 1 ms.
     pub fn new(motor: &Motor, current: f32, period: f32) -> Result<Self, Implausible> {
-        let motor = motor.checked()?;
+        motor.check()?;
         let is_one = is_within(current, 1e-3, motor.peak_current) && is_within(period, 5e-6, 1e-3);
-        if !is_one {
-            return Err(Implausible);
-        }
+        Implausible::unless(is_one)?;
         let count = f32::from(motor.pole_pairs) / motor.counts as f32;
         // A pendulum in the field: ω² = p kt I (ratio + 1) / J; damped as much as it can be, by 2 ω / (p kt I / J).
         let pull = f32::from(motor.pole_pairs) * motor.torque_constant() * current / motor.inertia;
@@ -134,25 +132,24 @@ impl Commutation {
         self.time += self.period;
         match self.state {
             State::Rise | State::Rest => self.meet(),
-            State::Forward => {
+            State::Forward | State::Back => {
+                let is_forward = self.state == State::Forward;
                 if self.time < SWEEP_TIME + REST {
-                    return self.sweep(self.part(SWEEP_TIME));
+                    let part = self.part(SWEEP_TIME);
+                    return self.sweep(if is_forward { part } else { 1.0 - part });
                 }
-                self.middle = self.moved;
-                let followed = (self.middle - self.begin) / SWEEP;
-                if !is_within(followed, FOLLOWED.0, FOLLOWED.1) {
+                let way = if is_forward {
+                    self.moved - self.begin
+                } else {
+                    self.middle - self.moved
+                };
+                if !is_within(way / SWEEP, FOLLOWED.0, FOLLOWED.1) {
                     return self.try_again();
                 }
-                self.enter(State::Back);
-                self.sweep(1.0)
-            }
-            State::Back => {
-                if self.time < SWEEP_TIME + REST {
-                    return self.sweep(1.0 - self.part(SWEEP_TIME));
-                }
-                let followed = (self.middle - self.moved) / SWEEP;
-                if !is_within(followed, FOLLOWED.0, FOLLOWED.1) {
-                    return self.try_again();
+                if is_forward {
+                    self.middle = self.moved;
+                    self.enter(State::Back);
+                    return self.sweep(1.0);
                 }
                 // Forward the rotor was behind the field by what friction holds, back before it.
                 let ahead = 0.5 * (self.middle + self.moved) - 0.5 * SWEEP;

@@ -60,6 +60,7 @@ impl Incremental {
     }
 
     /// The timer counts this now. More than 32,767 counts between two looks cannot be seen.
+    #[inline(always)]
     pub fn look(&mut self, timer: u16) {
         let moved = self.moved(self.last, timer);
         self.last = timer;
@@ -127,6 +128,17 @@ impl Incremental {
         self.set_pole_pairs(self.pole_pairs);
         (self.turns, self.in_turn, self.index) = (0, 0, None);
         self.begin = position;
+        self.set_angle(angle);
+    }
+
+    /// It is so many counts from where it began, with the timer at this count, and has the angle that it had.
+    pub fn begin_at(&mut self, timer: u16, counted: i64) {
+        let angle = self.angle();
+        let turn = i64::from(self.counts);
+        let in_turn = counted.checked_rem_euclid(turn).unwrap_or(0);
+        self.turns = counted.checked_div_euclid(turn).unwrap_or(0);
+        self.in_turn = in_turn as u32;
+        (self.last, self.begin, self.index) = (timer, 0, None);
         self.set_angle(angle);
     }
 
@@ -225,6 +237,32 @@ mod tests {
             prop_assert_eq!((encoder.position(), encoder.angle()), (position, angle));
             encoder.look(timer.wrapping_add(9));
             prop_assert_eq!(encoder.position(), position + 9);
+        }
+    }
+
+    #[test]
+    fn it_begins_at_any_count_with_the_angle_that_it_had() {
+        let motor = servo_100w();
+        for (positions, counted, position) in [
+            (10_000, 47_301, 47_301),
+            (10_000, -2_501, -2_501),
+            (40_000, 47_301, 189_204),
+        ] {
+            let motor = Motor {
+                counts: positions,
+                ..motor
+            };
+            let mut encoder = Incremental::new(&motor, 0, 2);
+            encoder.set_counts(10_000);
+            encoder.look(1_234);
+            encoder.set_angle(Angle::QUARTER);
+            encoder.begin_at(60_000, counted);
+            assert_eq!(encoder.angle(), Angle::QUARTER);
+            assert_eq!(encoder.position(), position);
+            // Whole turns later the angle is the same, and the position goes on.
+            encoder.look(60_000_u16.wrapping_add(10_000));
+            assert_eq!(encoder.angle(), Angle::QUARTER);
+            assert_eq!(encoder.position(), position + i64::from(positions));
         }
     }
 

@@ -16,11 +16,14 @@ impl Blocked {
     ///
     /// # Errors
     /// With a speed outside 0 to 10⁴ rad/s, a time outside 0 to 1,000 s, or a period outside 5 µs to 10 ms.
+    #[inline(never)]
     pub fn new(speed: f32, time: f32, period: f32) -> Result<Self, Implausible> {
-        let is_one = is_within(speed, 0.0, 1e4)
-            && is_within(time, 0.0, 1e3)
-            && is_within(period, 5e-6, 10e-3);
-        let blocked = Self {
+        Implausible::unless(
+            is_within(speed, 0.0, 1e4)
+                && is_within(time, 0.0, 1e3)
+                && is_within(period, 5e-6, 10e-3),
+        )?;
+        Ok(Self {
             speed,
             periods: if time > 0.0 {
                 between(time / period, 1.0, 1e9) as u32
@@ -28,8 +31,7 @@ impl Blocked {
                 u32::MAX
             },
             seen: 0,
-        };
-        is_one.then_some(blocked).ok_or(Implausible)
+        })
     }
 
     /// Nothing has been seen yet.

@@ -1,7 +1,7 @@
 //! The bus of a motor that brakes: a chopper that burns what comes back, and a limit of the braking that leaves the bus below its bound.
 
 use crate::motor::Implausible;
-use crate::number::{between, is_within};
+use crate::number::between;
 
 /// Below this share of the voltage at which the chopper ends, the supply is not what it was.
 const SUNK: f32 = 0.85;
@@ -22,17 +22,18 @@ impl Bus {
     /// # Errors
     /// If the three do not rise, `chop_until < chop_from < brake_until`, from 1 V to 2 kV.
     pub fn new(chop_until: f32, chop_from: f32, brake_until: f32) -> Result<Self, Implausible> {
-        let is_one = is_within(chop_until, 1.0, 2e3)
-            && chop_until < chop_from
-            && chop_from < brake_until
-            && brake_until <= 2e3;
-        let bus = Self {
+        Implausible::unless(
+            chop_until >= 1.0
+                && chop_until < chop_from
+                && chop_from < brake_until
+                && brake_until <= 2e3,
+        )?;
+        Ok(Self {
             chop_from,
             chop_until,
             brake_until,
             chops: false,
-        };
-        is_one.then_some(bus).ok_or(Implausible)
+        })
     }
 
     /// The bus has this voltage. Gives whether the chopper is to be on.

@@ -1,7 +1,7 @@
 //! Less current where it is hot: all of it below one temperature, none above another, evenly between.
 
 use crate::motor::Implausible;
-use crate::number::{between, is_within};
+use crate::number::between;
 
 /// See the module.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,8 +16,8 @@ impl Derating {
     /// # Errors
     /// If the second is not above the first, or one is outside −100 to 500 °C.
     pub fn new(from: f32, to: f32) -> Result<Self, Implausible> {
-        let is_one = is_within(from, -100.0, 500.0) && is_within(to, -100.0, 500.0) && from < to;
-        is_one.then_some(Self { from, to }).ok_or(Implausible)
+        Implausible::unless(from >= -100.0 && from < to && to <= 500.0)?;
+        Ok(Self { from, to })
     }
 
     /// The share of the current at this temperature, 0 to 1. NaN leaves none.

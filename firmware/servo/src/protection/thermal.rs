@@ -4,7 +4,7 @@
 //! nine tenths of it are spent the limit falls, with the rest of the budget, from the peak to the rated current; there it stays whatever is asked for.
 
 use crate::motor::Implausible;
-use crate::number::{between, is_within, root};
+use crate::number::{between, is_within, lesser, root};
 
 /// The rest of the budget from which on the limit falls.
 const REST: f32 = 0.1;
@@ -13,7 +13,6 @@ const REST: f32 = 0.1;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Thermal {
     rated_square: f32,
-    peak_square: f32,
     peak: f32,
     period: f32,
     /// In A²s.
@@ -27,48 +26,40 @@ impl Thermal {
     /// # Errors
     /// With a rated current outside 1 mA to 1 kA, a peak below it or above 10 kA, a time outside a period to 1,000 s, or a period outside 20 µs to 1 s.
     pub fn new(rated: f32, peak: f32, time: f32, period: f32) -> Result<Self, Implausible> {
-        let is_one = is_within(rated, 1e-3, 1e3)
-            && is_within(peak, rated, 1e4)
-            && is_within(period, 20e-6, 1.0)
-            && is_within(time, period, 1e3);
-        let (rated_square, peak_square) = (rated * rated, peak * peak);
-        let thermal = Self {
+        Implausible::unless(
+            is_within(rated, 1e-3, 1e3)
+                && is_within(peak, rated, 1e4)
+                && is_within(period, 20e-6, 1.0)
+                && is_within(time, period, 1e3),
+        )?;
+        let rated_square = rated * rated;
+        Ok(Self {
             rated_square,
-            peak_square,
             peak,
             period,
-            budget: (peak_square - rated_square) * time,
+            budget: (peak * peak - rated_square) * time,
             spent: 0.0,
-        };
-        is_one.then_some(thermal).ok_or(Implausible)
+        })
     }
 
     /// A period with this square of the current has passed, in A². Gives the greatest current for the next, in A.
+    #[inline(never)]
     pub fn run(&mut self, square: f32) -> f32 {
         // A square that is NaN is the worst.
-        let square = if square <= 1e8 { square } else { 1e8 };
+        let square = lesser(square, 1e8);
         let spent = self.spent + (square - self.rated_square) * self.period;
         self.spent = between(spent, 0.0, self.budget);
-        let left = self.budget - self.spent;
-        let rest = REST * self.budget;
-        if left >= rest && rest > 0.0 {
+        // Of no budget nothing is left.
+        let left = between((self.budget - self.spent) / (REST * self.budget), 0.0, 1.0);
+        if left >= 1.0 {
             return self.peak;
         }
-        let share = if rest > 0.0 {
-            between(left / rest, 0.0, 1.0)
-        } else {
-            0.0
-        };
-        root(self.rated_square + share * (self.peak_square - self.rated_square))
+        root(self.rated_square + left * (self.peak * self.peak - self.rated_square))
     }
 
     /// What is spent of the budget, 0 to 1: above 0.9 the limit falls, and a warning is due.
     pub fn share(&self) -> f32 {
-        if self.budget > 0.0 {
-            self.spent / self.budget
-        } else {
-            0.0
-        }
+        between(self.spent / self.budget, 0.0, 1.0)
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::Angle;
 use crate::motor::Implausible;
 use crate::number::{is_within, limit};
+use crate::transform::direction;
 
 /// See the module.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,27 +28,28 @@ impl Chirp {
         time: f32,
         period: f32,
     ) -> Result<Self, Implausible> {
-        let is_one = is_within(period, 20e-6, 10e-3)
-            && is_within(amplitude, 1e-6, 1e4)
-            && is_within(first, 0.1, 0.1 / period)
-            && is_within(last, 0.1, 0.1 / period)
-            && is_within(time, 0.01, 100.0);
+        Implausible::unless(
+            is_within(period, 20e-6, 10e-3)
+                && is_within(amplitude, 1e-6, 1e4)
+                && is_within(first, 0.1, 0.1 / period)
+                && is_within(last, 0.1, 0.1 / period)
+                && is_within(time, 0.01, 100.0),
+        )?;
         let periods = time / period;
-        let chirp = Self {
+        Ok(Self {
             amplitude,
             period,
             phase: Angle::ZERO,
             frequency: first,
             rise: (last - first) / periods,
             left: periods as u32,
-        };
-        is_one.then_some(chirp).ok_or(Implausible)
+        })
     }
 
     /// The next value; `None` once it is over.
     pub fn run(&mut self) -> Option<f32> {
         self.left = self.left.checked_sub(1)?;
-        let (sine, _) = self.phase.sine_cosine();
+        let (sine, _) = direction(self.phase);
         self.phase = self
             .phase
             .plus(Angle::from_turns(self.frequency * self.period));

@@ -13,6 +13,7 @@
 //! [`Setup::distance`] for each stroke. A motor that lifts something is not for this: nothing holds its load between the strokes.
 
 mod chirp;
+mod line;
 mod strokes;
 mod turning;
 mod winding;
@@ -105,7 +106,7 @@ pub enum Failure {
     Winding,
     /// The encoder does not see that the field turns the rotor.
     NotFollowed,
-    /// The travel of the encoder is no whole number of pole pairs.
+    /// The travel of the encoder is no whole number of pole pairs, or a pole pair has fewer than 20 counts.
     PolePairs,
     /// The current does not move the rotor.
     Held,
@@ -169,22 +170,23 @@ impl Tuning {
     /// With counts outside 16 to 2²⁴, a period outside 5 µs to 1 ms, a current outside 1 mA to the trip or a trip above 10 kA, a bus below 1 V or above 2 kV,
     /// a distance outside a hundredth of a turn to ten turns, or a speed outside 1 to 10⁴ rad/s.
     pub fn new(setup: Setup) -> Result<Self, Implausible> {
-        let is_one = (16..=1 << 24).contains(&setup.counts)
-            && is_within(setup.period, 5e-6, 1e-3)
-            && is_within(setup.current, 1e-3, setup.trip)
-            && is_within(setup.trip, 1e-3, 1e4)
-            && is_within(setup.bus.0, 1.0, setup.bus.1)
-            && is_within(setup.bus.1, 1.0, 2e3)
-            && is_within(setup.distance, 0.01, 10.0)
-            && is_within(setup.max_speed, 1.0, 1e4);
-        let tuning = Self {
+        Implausible::unless(
+            (16..=1 << 24).contains(&setup.counts)
+                && is_within(setup.period, 5e-6, 1e-3)
+                && is_within(setup.current, 1e-3, setup.trip)
+                && setup.trip <= 1e4
+                && is_within(setup.bus.0, 1.0, setup.bus.1)
+                && setup.bus.1 <= 2e3
+                && is_within(setup.distance, 0.01, 10.0)
+                && is_within(setup.max_speed, 1.0, 1e4),
+        )?;
+        Ok(Self {
             setup,
             measured: Measured::default(),
             part: Part::Winding(Winding::new(setup.wiring)),
             timer: None,
             position: 0,
-        };
-        is_one.then_some(tuning).ok_or(Implausible)
+        })
     }
 
     /// How much of it is done: 0 the winding, 1 the field turns, 2 strokes, 3 over.
@@ -253,7 +255,9 @@ impl Tuning {
                 )
             }
             Part::Turning(turning) => turning.run(setup, seen, self.position, &mut self.measured),
-            Part::Strokes(strokes) => strokes.run(setup, seen, timer, &mut self.measured),
+            Part::Strokes(strokes) => {
+                strokes.run(setup, seen, (timer, self.position), &mut self.measured)
+            }
             Part::Over(Ok(())) => Ok(Next::Finished),
             Part::Over(Err(failure)) => Err(*failure),
         }
@@ -261,10 +265,11 @@ impl Tuning {
 
     /// The next part.
     fn go_on(&mut self, timer: u16) -> Result<(), Failure> {
-        self.part = match self.part {
+        match &self.part {
             Part::Winding(_) => {
-                let current = self.current_loop().ok_or(Failure::Winding)?;
-                Part::Turning(Turning::new(current, self.position, self.setup.wiring))
+                let current = self.current_loop()?;
+                let turning = Turning::new(current, self.position, self.setup.wiring);
+                self.part = Part::Turning(turning);
             }
             Part::Turning(turning) => {
                 let zero = turning.zero();
@@ -279,25 +284,27 @@ impl Tuning {
                 let share = f32::from(self.measured.pole_pairs) / self.setup.counts as f32;
                 self.measured.angle = Angle::from_turns(-zero * share);
                 let now = Angle::from_turns((self.position as f32 - zero) * share);
-                let motor = self.motor().ok_or(Failure::Winding)?;
-                let current = self.current_loop().ok_or(Failure::Winding)?;
-                let strokes = Strokes::new(&self.setup, &motor, current, (now, timer));
-                Part::Strokes(strokes.map_err(|_| Failure::Winding)?)
+                let motor = self.motor()?;
+                let current = self.current_loop()?;
+                let at = (now, timer, self.position);
+                self.part = Part::Strokes(Strokes::new(&self.setup, &motor, current, at)?);
             }
             Part::Strokes(strokes) => {
-                let motor = self.motor().ok_or(Failure::Held)?;
-                let by_flux = motor.torque_constant() / motor.flux;
-                let loads = strokes.loads(by_flux * self.measured.flux);
-                (self.measured.inertia, self.measured.friction) = loads;
-                Part::Over(Ok(()))
+                let Measured {
+                    pole_pairs, flux, ..
+                } = self.measured;
+                let constant = self.setup.wiring.torque_constant(pole_pairs, flux);
+                (self.measured.inertia, self.measured.friction) = strokes.loads(constant);
+                self.part = Part::Over(Ok(()));
             }
-            over @ Part::Over(_) => over,
-        };
+            Part::Over(_) => {}
+        }
         Ok(())
     }
 
     /// The motor as far as it is known: the least flux and one pole pair in place of what is not.
-    fn motor(&self) -> Option<Motor> {
+    #[inline(never)]
+    fn motor(&self) -> Result<Motor, Implausible> {
         let known = Measured {
             flux: 1e-6,
             pole_pairs: self.measured.pole_pairs.max(1),
@@ -305,10 +312,11 @@ impl Tuning {
             ..self.measured
         };
         let max = self.setup.current;
-        known.motor(&self.setup, (max, max)).ok()
+        known.motor(&self.setup, (max, max))
     }
 
-    fn current_loop(&self) -> Option<CurrentLoop> {
+    #[inline(never)]
+    fn current_loop(&self) -> Result<CurrentLoop, Implausible> {
         let setup = &self.setup;
         let motor = self.motor()?;
         let config = CurrentConfig {
@@ -316,7 +324,13 @@ impl Tuning {
             learning: 0.3,
             ..CurrentConfig::quick(&motor, setup.period, setup.trip, setup.bus)
         };
-        CurrentLoop::new(&motor, config, setup.modulation).ok()
+        CurrentLoop::new(&motor, config, setup.modulation)
+    }
+}
+
+impl From<Implausible> for Failure {
+    fn from(_: Implausible) -> Self {
+        Self::Winding
     }
 }
 

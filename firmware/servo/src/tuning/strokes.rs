@@ -10,11 +10,12 @@
 //! together a line through them. Positions are exact, and at a standstill it does not matter when that is seen. The voltage of the magnet is what the loop needed beyond
 //! the resistance.
 
+use super::line::Line;
 use super::{Failure, Measured, Next, Seen, Setup};
 use crate::current_loop::Sample;
 use crate::feedback::{Incremental, Observer};
 use crate::motor::Implausible;
-use crate::number::is_within;
+use crate::number::{between, greater, is_within, lesser};
 use crate::transform::Rotor;
 use crate::{Angle, CurrentLoop, Motor};
 
@@ -22,8 +23,9 @@ use crate::{Angle, CurrentLoop, Motor};
 const FIRST: f32 = 0.05;
 const GROWTH: f32 = 1.3;
 
-/// Once it moves, the strokes are that much stronger.
+/// Once it moves, the strokes are that much stronger, but not so strong that a light rotor is fast enough within so many periods.
 const STRONGER: f32 = 2.5;
+const PUSH: f32 = 70.0;
 
 /// A rotor that has not moved by a part of a turn in this time is held, in s; a stroke that takes longer than this is too weak.
 const HELD: f32 = 0.025;
@@ -31,7 +33,7 @@ const MOVED: f32 = 1.0 / 400.0;
 const LONGEST: f32 = 0.3;
 
 /// The rotor goes back when it is so many counts from its furthest point.
-const BACK: i64 = 3;
+const BACK: i32 = 3;
 
 /// How many strokes are looked at.
 const STROKES: u8 = 6;
@@ -71,35 +73,6 @@ impl Sums {
     }
 }
 
-/// A line through all equations: current / (rad/s²) upwards over s² / rad.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Line {
-    count: f32,
-    u: f32,
-    w: f32,
-    uu: f32,
-    uw: f32,
-}
-
-impl Line {
-    fn add(&mut self, sums: &Sums, distance: f32) {
-        let by = 1.0 / distance;
-        let (u, w) = (0.5 * sums.time * sums.time * by, sums.twice * by);
-        self.count += 1.0;
-        self.u += u;
-        self.w += w;
-        self.uu += u * u;
-        self.uw += u * w;
-    }
-
-    /// The inertia as a current of an acceleration, and the friction as a current.
-    fn solve(&self) -> (f32, f32) {
-        let spread = self.count * self.uu - self.u * self.u;
-        let friction = (self.count * self.uw - self.u * self.w) / spread;
-        ((self.w - friction * self.u) / self.count, friction)
-    }
-}
-
 /// See the module.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Strokes {
@@ -115,15 +88,16 @@ pub(super) struct Strokes {
     is_forward: bool,
     brakes: bool,
     /// Where the stroke began, and how far it has come, when that was reached first and last.
-    begin: i64,
-    furthest: i64,
+    begin: i32,
+    furthest: i32,
     reached: f32,
     left: f32,
     sums: Sums,
     /// As it was when the torque turned round, and when it had come furthest.
-    turned: (Sums, i64),
+    turned: (Sums, i32),
     stood: Sums,
     settled: u16,
+    /// Through all points: current / (rad/s²) upwards over s² / rad.
     line: Line,
     /// Sums of voltage × speed and of speed².
     voltage: f32,
@@ -131,18 +105,18 @@ pub(super) struct Strokes {
 }
 
 impl Strokes {
-    /// With a motor of which winding and pole pairs are known, whose rotor stands at this electrical angle, with the timer at this count.
+    /// With a motor of which winding and pole pairs are known, whose rotor stands at this electrical angle, with the timer at this count, and in this position.
+    #[inline(never)]
     pub(super) fn new(
         setup: &Setup,
         motor: &Motor,
         current: CurrentLoop,
-        (angle, timer): (Angle, u16),
+        (angle, timer, position): (Angle, u16, i32),
     ) -> Result<Self, Implausible> {
         let mut encoder = Incremental::new(motor, timer, 2);
         encoder.set_angle(angle);
         let max = 1.0 / setup.period;
-        let bandwidth = if OBSERVER < max { OBSERVER } else { max };
-        let mut observer = Observer::new(bandwidth, setup.period)?;
+        let mut observer = Observer::new(lesser(OBSERVER, max), setup.period)?;
         observer.stand_at(angle);
         Ok(Self {
             current,
@@ -154,7 +128,7 @@ impl Strokes {
             done: 0,
             is_forward: true,
             brakes: false,
-            begin: 0,
+            begin: position,
             furthest: 0,
             reached: 0.0,
             left: 0.0,
@@ -168,12 +142,12 @@ impl Strokes {
         })
     }
 
-    /// `timer` goes the right way.
+    /// The timer and the position, in counts, go the right way.
     pub(super) fn run(
         &mut self,
         setup: &Setup,
         seen: &Seen,
-        timer: u16,
+        (timer, position): (u16, i32),
         measured: &mut Measured,
     ) -> Result<Next, Failure> {
         self.encoder.look(timer);
@@ -198,7 +172,7 @@ impl Strokes {
             self.square += speed * speed;
         }
         self.sums.add(sign * current.q, setup.period);
-        let distance = self.distance();
+        let distance = self.distance(position);
         if distance > self.furthest {
             self.furthest = distance;
             self.reached = self.sums.time;
@@ -208,7 +182,7 @@ impl Strokes {
             self.left = self.sums.time;
         }
         let max = setup.distance * setup.counts as f32;
-        if distance.unsigned_abs() as f32 > 1.2 * max {
+        if (distance as f32).abs() > 1.2 * max {
             return Err(Failure::TooFar);
         }
         if self.brakes {
@@ -218,52 +192,51 @@ impl Strokes {
                 }
             } else if self.sums.time - self.reached > HELD {
                 // What the brake has stopped is held there.
-                self.grow(setup)?;
+                self.grow(setup, distance)?;
             }
         } else {
             let turns = self.observer.speed().abs() / f32::from(measured.pole_pairs.max(1));
             let is_moved = distance as f32 > MOVED * setup.counts as f32;
             let needed = self.current.voltage();
-            let has_most =
-                needed.square() > square(VOLTAGE * setup.modulation.max_voltage(seen.bus));
+            let most = VOLTAGE * setup.modulation.max_voltage(seen.bus);
+            let has_most = needed.square() > most * most;
             let is_fast = has_most || turns > 0.5 * setup.max_speed;
             if is_moved && (is_fast || distance as f32 > 0.5 * max) {
                 self.brakes = true;
                 self.settled = 0;
                 self.turned = (self.sums, distance);
             } else if (!is_moved && self.sums.time > HELD) || self.sums.time > LONGEST {
-                self.grow(setup)?;
+                self.grow(setup, distance)?;
             }
         }
         Ok(Next::Widths(widths))
     }
 
-    /// In counts, forward in the direction of the stroke.
-    fn distance(&self) -> i64 {
-        let distance = self.encoder.position().wrapping_sub(self.begin);
+    /// Since the stroke began, in counts.
+    fn distance(&self, position: i32) -> i32 {
+        self.along(position.wrapping_sub(self.begin))
+    }
+
+    /// Counts of the encoder in the direction of the stroke, and back.
+    fn along(&self, counts: i32) -> i32 {
         if self.is_forward {
-            distance
+            counts
         } else {
-            distance.wrapping_neg()
+            counts.wrapping_neg()
         }
     }
 
     /// The torque does not do: it grows, and the stroke begins anew from here.
-    fn grow(&mut self, setup: &Setup) -> Result<(), Failure> {
+    fn grow(&mut self, setup: &Setup, distance: i32) -> Result<(), Failure> {
         let max = setup.current;
         if self.level >= max {
             return Err(Failure::Held);
         }
-        self.level = least(self.level * GROWTH, max);
-        // What has gone one way comes back.
-        self.is_forward ^= self.distance() > 0;
+        self.level = lesser(self.level * GROWTH, max);
         self.counts = false;
-        self.brakes = false;
-        self.begin = self.encoder.position();
-        self.furthest = 0;
-        self.reached = 0.0;
-        self.sums = Sums::default();
-        self.settled = 0;
+        let is_forward = self.is_forward != (distance > 0);
+        // What has gone one way comes back.
+        self.begin_stroke(distance, is_forward, Sums::default());
         Ok(())
     }
 
@@ -276,33 +249,29 @@ impl Strokes {
     ) -> Result<bool, Failure> {
         if self.counts {
             let (turned, distance) = self.turned;
-            self.line.add(&turned, distance as f32 * self.count);
-            self.line
-                .add(&self.stood, self.furthest as f32 * self.count);
+            for (sums, counts) in [(turned, distance), (self.stood, self.furthest)] {
+                let by = 1.0 / (counts as f32 * self.count);
+                let square = 0.5 * sums.time * sums.time;
+                self.line.add(square * by, sums.twice * by);
+            }
             self.done += 1;
         } else {
             self.counts = true;
-            self.level = least(self.level * STRONGER, setup.current);
+            // (level − friction) · push = (level + friction) · brake: what the rotor has of either.
+            let push = self.turned.0.time;
+            let brake = self.stood.time - push;
+            let longer = 2.0 * push * brake / (PUSH * setup.period);
+            let stronger = between((push - brake + longer) / (push + brake), 1.0, STRONGER);
+            self.level = lesser(self.level * stronger, setup.current);
         }
         // It stood in the middle between coming to its furthest point and leaving it.
         let since = self.sums.time - 0.5 * (self.reached + self.left);
-        let peak = if self.is_forward {
-            self.furthest
-        } else {
-            self.furthest.wrapping_neg()
-        };
-        self.begin = self.begin.wrapping_add(peak);
-        self.is_forward = !self.is_forward;
-        self.sums = Sums::since(since, -current);
-        self.brakes = false;
-        self.furthest = 0;
-        self.reached = since;
-        self.left = since;
-        self.settled = 0;
+        let sums = Sums::since(since, -current);
+        self.begin_stroke(self.furthest, !self.is_forward, sums);
         if self.done < STROKES {
             return Ok(false);
         }
-        let (inertia, _) = self.line.solve();
+        let (_, inertia) = self.line.solve();
         measured.flux = self.voltage / self.square;
         let known = is_within(measured.flux, 1e-6, 10.0) && inertia > 0.0;
         if !known {
@@ -311,18 +280,24 @@ impl Strokes {
         Ok(true)
     }
 
+    /// A stroke from so many counts on from where the last one began.
+    fn begin_stroke(&mut self, distance: i32, is_forward: bool, sums: Sums) {
+        self.begin = self.begin.wrapping_add(self.along(distance));
+        self.is_forward = is_forward;
+        self.brakes = false;
+        self.furthest = 0;
+        self.reached = sums.time;
+        self.left = sums.time;
+        self.sums = sums;
+        self.settled = 0;
+    }
+
     /// Inertia and friction by what the motor makes of a current.
     pub(super) fn loads(&self, torque_constant: f32) -> (f32, f32) {
-        let (inertia, friction) = self.line.solve();
-        let held = if friction > 0.0 { friction } else { 0.0 };
-        (inertia * torque_constant, held * torque_constant)
+        let (friction, inertia) = self.line.solve();
+        (
+            inertia * torque_constant,
+            greater(friction, 0.0) * torque_constant,
+        )
     }
-}
-
-fn least(one: f32, other: f32) -> f32 {
-    if one < other { one } else { other }
-}
-
-fn square(value: f32) -> f32 {
-    value * value
 }

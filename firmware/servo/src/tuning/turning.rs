@@ -28,6 +28,12 @@ const SLOWEST: f32 = 3.2;
 /// The field goes on for an electrical turn for each so many pole pairs: at most a tenth of a turn of the motor, but a whole electrical one.
 const POLE_PAIRS_OF_TURN: f32 = 10.0;
 
+/// The rotor is never so far from where it began, in turns of the motor.
+const FURTHEST: f32 = 1.5;
+
+/// Counts that an electrical turn has at least: with less of them the current is not where the magnet is.
+const COUNTS: f32 = 20.0;
+
 /// How far the way may be from whole pole pairs.
 const WHOLE: f32 = 0.3;
 
@@ -101,13 +107,17 @@ impl Turning {
         let span = self.slow * if turn > SHORTEST { turn } else { SHORTEST };
         self.time += setup.period;
         let part = limit(self.time / span, 1.0);
-        let turned = self.from + distance * part * part * (3.0 - 2.0 * part);
-        let speed = if part < 1.0 {
-            6.0 * part * (1.0 - part) * distance / span * core::f32::consts::TAU
-        } else {
-            0.0
-        };
-        if self.looks_at(position.wrapping_sub(self.begin), span) {
+        // It begins and ends without a jerk in the acceleration, which would let the rotor swing.
+        let eased = part * part * part * (10.0 + part * (6.0 * part - 15.0));
+        let turned = self.from + distance * eased;
+        let rise = part * (1.0 - part);
+        let speed = 30.0 * rise * rise * distance / span * core::f32::consts::TAU;
+        let moved = position.wrapping_sub(self.begin);
+        // A field that a heavy rotor has lost may throw it on.
+        if moved.unsigned_abs() as f32 > FURTHEST * setup.counts as f32 {
+            return Err(Failure::TooFar);
+        }
+        if self.looks_at(moved, span) {
             let seen = self.sum / self.count;
             if self.end_leg(seen, setup, measured)? {
                 self.place();
@@ -163,21 +173,13 @@ impl Turning {
                     return Err(Failure::NotFollowed);
                 }
                 let pole_pairs = counts / moved;
-                let turns = pole_pairs / POLE_PAIRS_OF_TURN;
+                // Half a pole pair more, as the twenty of a motor may look like a little less.
+                let turns = (pole_pairs + 0.5) / POLE_PAIRS_OF_TURN;
                 self.turns = limit((turns as u16 + 1).into(), 64.0);
                 self.slow = between(root(POLE_PAIRS_OF_TURN / pole_pairs), 1.0, SLOWEST);
                 self.turns
             }
             3 => {
-                let pole_pairs = counts * self.turns / (far - start).abs();
-                let whole = pole_pairs + 0.5;
-                if !is_within(whole, 1.0, 501.0) {
-                    return Err(Failure::PolePairs);
-                }
-                measured.pole_pairs = whole as u16;
-                if (pole_pairs - f32::from(measured.pole_pairs)).abs() > WHOLE {
-                    return Err(Failure::PolePairs);
-                }
                 self.is_reversed = far < start;
                 self.turns + 0.25
             }
@@ -188,6 +190,17 @@ impl Turning {
                 let share = (back - end) / (far - start);
                 if !is_within(share, 0.8, 1.2) {
                     return Err(Failure::NotFollowed);
+                }
+                // On and back, as where it comes to rest is not the same each time.
+                let pole_pairs = 2.0 * counts * self.turns / (far - start + back - end).abs();
+                let whole = pole_pairs + 0.5;
+                if !is_within(whole, 1.0, 501.0) {
+                    return Err(Failure::PolePairs);
+                }
+                measured.pole_pairs = whole as u16;
+                let whole = f32::from(measured.pole_pairs);
+                if (pole_pairs - whole).abs() > WHOLE || counts < COUNTS * whole {
+                    return Err(Failure::PolePairs);
                 }
                 return Ok(true);
             }

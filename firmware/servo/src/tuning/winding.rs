@@ -6,9 +6,10 @@
 //! grows by between the two is the resistance: what the dead time takes is in both. Around the half a square wave of voltage is added, first along the magnet, then across
 //! it: the current changes by it as the inductance lets it.
 
+use super::line::Line;
 use super::{Failure, Measured, Next, Setup, along};
-use crate::number::{between, is_within, root};
-use crate::transform::{Rotor, Stator};
+use crate::number::{between, greater, is_within, lesser, root};
+use crate::transform::{Rotor, Stator, direction};
 use crate::{Angle, Wiring};
 
 /// The voltage begins at this share of what there is, and grows by e in this time, in s.
@@ -22,10 +23,11 @@ const LED: f32 = 60.0;
 const MAX: f32 = 1.05;
 const HELD_BACK: f32 = 5.0;
 
-/// How long it settles at least, how long the rotor must stand while it is looked at, and how long that is waited for, in s.
+/// How long it settles at least, how long the rotor must stand while it is looked at, how long that is waited for, and how long one that swings still is looked at, in s.
 const SETTLE: f32 = 0.08;
 const LOOK: f32 = 0.04;
 const WAIT: f32 = 1.0;
+const SWINGS: f32 = 0.5;
 
 /// How near the current must be, as a share of it.
 const NEAR: f32 = 0.05;
@@ -54,32 +56,6 @@ enum Stage {
     Along,
     /// The same across the magnet.
     Across,
-}
-
-/// Sums of a line through what is seen: x is what the current changes by, in A/s; y the voltage for it.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Line {
-    count: f32,
-    x: f32,
-    y: f32,
-    xy: f32,
-    yy: f32,
-}
-
-impl Line {
-    fn add(&mut self, x: f32, y: f32) {
-        self.count += 1.0;
-        self.x += x;
-        self.y += y;
-        self.xy += x * y;
-        self.yy += y * y;
-    }
-
-    /// The inductance; the voltage is known better than the change, so it is what is gone by.
-    fn slope(&self) -> f32 {
-        let mean = self.y / self.count;
-        (self.yy - mean * self.y) / (self.xy - mean * self.x)
-    }
 }
 
 /// Where the field stands, in electrical turns.
@@ -116,12 +92,13 @@ pub(super) struct Winding {
     /// What was seen at the last period, and the two voltages before.
     last: f32,
     voltages: (f32, f32),
+    /// What the current changes by, in A/s, over the voltage for it: that is known better.
     line: Line,
 }
 
 impl Winding {
     pub(super) fn new(wiring: Wiring) -> Self {
-        let (sine, cosine) = Angle::from_turns(field(wiring)).sine_cosine();
+        let (sine, cosine) = direction(Angle::from_turns(field(wiring)));
         Self {
             stage: Stage::Rise,
             field: (cosine, sine),
@@ -158,22 +135,22 @@ impl Winding {
             Stage::Rise => {
                 self.rise(setup, current, max)?;
             }
-            Stage::Half => {
-                if let Some(mean) = self.lead(setup, (current, position), 0.5 * setup.current, max)
-                {
-                    self.half = mean;
-                    self.enter(Stage::Whole);
-                }
-            }
-            Stage::Whole => {
-                let whole = self.lead(setup, (current, position), setup.current, max);
-                if let Some((voltage, amperes)) = whole {
-                    let resistance = (voltage - self.half.0) / (amperes - self.half.1);
-                    if !is_within(resistance, 1e-3, 1e3) {
-                        return Err(Failure::Winding);
+            Stage::Half | Stage::Whole => {
+                let is_half = self.stage == Stage::Half;
+                let share = if is_half { 0.5 } else { 1.0 };
+                let wanted = share * setup.current;
+                if let Some(mean) = self.lead(setup, (current, position), wanted, max) {
+                    if is_half {
+                        self.half = mean;
+                        self.enter(Stage::Whole);
+                    } else {
+                        let resistance = (mean.0 - self.half.0) / (mean.1 - self.half.1);
+                        if !is_within(resistance, 1e-3, 1e3) {
+                            return Err(Failure::Winding);
+                        }
+                        measured.resistance = resistance;
+                        self.enter(Stage::Back);
                     }
-                    measured.resistance = resistance;
-                    self.enter(Stage::Back);
                 }
             }
             Stage::Back => {
@@ -182,18 +159,16 @@ impl Winding {
                     self.begin_wave(Stage::Along, current.d, max);
                 }
             }
-            Stage::Along => {
-                let seen = current.d;
+            Stage::Along | Stage::Across => {
+                let is_along = self.stage == Stage::Along;
+                let seen = if is_along { current.d } else { current.q };
                 if let Some(inductance) = self.shake(setup, seen, max, measured.resistance)? {
+                    if !is_along {
+                        measured.inductance_q = inductance;
+                        return Ok(Next::Finished);
+                    }
                     measured.inductance_d = inductance;
                     self.begin_wave(Stage::Across, current.q, max);
-                }
-            }
-            Stage::Across => {
-                let seen = current.q;
-                if let Some(inductance) = self.shake(setup, seen, max, measured.resistance)? {
-                    measured.inductance_q = inductance;
-                    return Ok(Next::Finished);
                 }
             }
         }
@@ -216,6 +191,7 @@ impl Winding {
         }
     }
 
+    #[inline(never)]
     fn enter(&mut self, stage: Stage) {
         self.stage = stage;
         self.time = 0.0;
@@ -258,7 +234,8 @@ impl Winding {
             self.sums.1 += seen.d;
             self.sums.2 += 1.0;
         }
-        let is_over = self.time - since > LOOK && self.sums.2 > 0.0;
+        let look = if waits { LOOK } else { SWINGS };
+        let is_over = self.time - since > look && self.sums.2 > 0.0;
         let step = self.gain * setup.period;
         let d = self.voltage.d + step * (wanted - seen.d);
         let q = self.voltage.q - step * seen.q;
@@ -270,6 +247,7 @@ impl Winding {
         is_over.then_some((self.sums.0 * by, self.sums.1 * by))
     }
 
+    #[inline(never)]
     fn begin_wave(&mut self, stage: Stage, seen: f32, max: f32) {
         self.enter(stage);
         self.wave = 0.01 * max;
@@ -293,9 +271,10 @@ impl Winding {
         if self.is_grown {
             let change = (seen - self.last) / setup.period;
             let voltage = 0.5 * (before + acting) - resistance * 0.5 * (seen + self.last);
-            self.line.add(change, voltage);
+            self.line.add(voltage, change);
             if self.line.count >= f32::from(LOOKED_AT) {
-                let inductance = self.line.slope();
+                let (change, _) = self.line.solve();
+                let inductance = 1.0 / change;
                 return if is_within(inductance, 1e-6, 1.0) {
                     Ok(Some(inductance))
                 } else {
@@ -304,7 +283,7 @@ impl Winding {
             }
         }
         self.last = seen;
-        self.swing = (least(self.swing.0, seen), greatest(self.swing.1, seen));
+        self.swing = (lesser(self.swing.0, seen), greater(self.swing.1, seen));
         // The first half of a wave is one period long, so that the current swings around where it was.
         let turn = (self.period + HALF_WAVE / 2) % (2 * HALF_WAVE);
         let wave = if turn < HALF_WAVE {
@@ -317,31 +296,22 @@ impl Winding {
             self.period = 0;
             let swings = self.swing.1 - self.swing.0;
             let room = 0.9 * max - self.half.0;
-            if !self.is_grown {
-                self.is_grown = swings >= SWING * setup.current || self.wave >= 0.5 * room;
-                if !self.is_grown {
-                    self.wave *= 1.2;
-                }
+            if swings >= SWING * setup.current || self.wave >= 0.5 * room {
+                self.is_grown = true;
+            } else if !self.is_grown {
+                self.wave *= 1.2;
             }
             self.swing = (seen, seen);
         }
         let held = self.half.0;
         let is_along = self.stage == Stage::Along;
-        self.voltage = if is_along {
-            along(held + wave)
-        } else {
-            Rotor { d: held, q: wave }
-        };
         let given = if is_along { held + wave } else { wave };
+        self.voltage = if is_along {
+            along(given)
+        } else {
+            Rotor { d: held, q: given }
+        };
         self.voltages = (acting, given);
         Ok(None)
     }
-}
-
-fn least(one: f32, other: f32) -> f32 {
-    if one < other { one } else { other }
-}
-
-fn greatest(one: f32, other: f32) -> f32 {
-    if one > other { one } else { other }
 }

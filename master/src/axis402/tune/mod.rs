@@ -60,7 +60,12 @@ pub fn tune<L: Line>(
             response: !wanted.is_short,
             step: wanted.step.is_some(),
         },
-    )?;
+    );
+    if matches!(found, Err(Problem::Stopped)) {
+        let text = format!("node {}: stopped; its motor has no power", node.id);
+        console.remark(&text);
+    }
+    let found = found?;
     if let Some(path) = &wanted.plot {
         draw(&found.response, path)?;
     }

@@ -33,21 +33,30 @@ pub(super) fn tell(node: u8, found: &Found, console: &mut Console<'_>) -> Result
 fn lines(motor: &Motor) -> Vec<String> {
     let [velocity, integral, position] = motor.gains;
     vec![
-        format!("resistance         {:.4} Ohm", motor.resistance),
+        format!("resistance         {:.4} Ohm of a phase", motor.resistance),
         format!(
             "inductance         {:.4} mH along the magnet, {:.4} mH across it",
             motor.inductance_along * 1e3,
             motor.inductance_across * 1e3
         ),
-        format!("flux               {:.4} mVs", motor.flux * 1e3),
+        format!(
+            "flux               {:.4} mVs of the magnet with a phase, peak",
+            motor.flux * 1e3
+        ),
         format!("pole pairs         {}", motor.pole_pairs),
         format!(
             "encoder            direction {:+}, {:.1} degrees electrical at 0",
             motor.direction, motor.angle
         ),
-        format!("inertia            {:.3} kg mm2", motor.inertia * 1e6),
-        format!("friction           {:.2} mNm", motor.friction * 1e3),
-        format!("gains              60F9h {velocity} and {integral} 1/s, 60FBh {position} 1/s"),
+        format!(
+            "inertia            {:.3} kg mm2 of all that turns",
+            motor.inertia * 1e6
+        ),
+        format!("friction           {:.2} mNm, dry", motor.friction * 1e3),
+        format!(
+            "velocity gain      {velocity} 1/s (60F9h:1), its integral {integral} 1/s (60F9h:2)"
+        ),
+        format!("position gain      {position} 1/s (60FBh:1)"),
     ]
 }
 

@@ -8,8 +8,10 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::Axis;
+use super::servo::Servo;
 use crate::plant::contact::Switch;
 use crate::plant::motor::{Heat, Load, MotorData, SupplyData};
+use crate::plant::servo::ServoAxisData;
 use crate::plant::track::{Index, Track};
 use crate::settings::Settings;
 use master::data_sheet::DataSheet;
@@ -44,7 +46,8 @@ pub(super) struct File {
     motor: Option<Spanned<MotorData>>,
     load: Option<Spanned<Load>>,
     heat: Option<Spanned<Heat>>,
-    supply: Option<SupplyData>,
+    supply: Option<Spanned<SupplyData>>,
+    servo: Option<Spanned<Servo>>,
     #[serde(default)]
     settings: BTreeMap<Spanned<String>, i64>,
 }
@@ -185,15 +188,48 @@ impl File {
             }
         }
         Ok(Axis {
-            servo: None,
+            servo: self.servo()?,
             start: self.start.into(),
             seed: self.seed.into(),
-            encoder: self.encoder,
+            encoder: self.encoder || self.servo.is_some(),
             motor: self.motor()?,
-            supply: self.supply.clone(),
+            supply: self.supply.as_ref().map(|supply| supply.get_ref().clone()),
             settings: self.settings()?,
             track: self.track(),
         })
+    }
+
+    /// The motor that is moved by its current, with the machine behind it.
+    fn servo(&self) -> Result<Option<ServoAxisData>, Mistake> {
+        let Some(section) = &self.servo else {
+            return Ok(None);
+        };
+        let not_with = |name| format!("[{name}] does not go with a [servo]");
+        let others = [
+            self.motor
+                .as_ref()
+                .map(|other| mistake(other, not_with("motor"))),
+            self.load
+                .as_ref()
+                .map(|other| mistake(other, not_with("load"))),
+            self.heat
+                .as_ref()
+                .map(|other| mistake(other, not_with("heat"))),
+            self.supply
+                .as_ref()
+                .map(|other| mistake(other, not_with("supply"))),
+            self.stops
+                .as_ref()
+                .map(|other| mistake(other, not_with("stops"))),
+        ];
+        if let Some(mistake) = others.into_iter().flatten().next() {
+            return Err(mistake);
+        }
+        let data = section.get_ref().data().map_err(|(offset, what)| Mistake {
+            offset: Some(offset),
+            what,
+        })?;
+        Ok(Some(data.at_work()))
     }
 
     /// The motor with everything that bears on it.
@@ -229,9 +265,12 @@ impl File {
         Ok(Some(motor))
     }
 
-    /// `[settings]`, as the generic drive has them.
+    /// `[settings]`, as the generic drive has them, or that with a servo.
     fn settings(&self) -> Result<Settings, Mistake> {
-        let sheet = DataSheet::axis402();
+        let sheet = match self.servo {
+            Some(_) => DataSheet::servo(),
+            None => DataSheet::axis402(),
+        };
         let mut settings = Settings::default();
         for (name, number) in &self.settings {
             settings

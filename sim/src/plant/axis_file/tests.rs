@@ -1,7 +1,7 @@
 use canopen::Duration;
 
 use super::*;
-use crate::plant::{Heat, Index, Load, SupplyChange, Switch};
+use crate::plant::{AXES, Heat, Index, Load, Magnet, SupplyChange, Switch, eccentricity_table};
 use master::data_sheet::Address;
 
 fn refused(text: &str) -> (Option<usize>, String) {
@@ -222,12 +222,132 @@ fn mistakes_are_told_with_their_line() {
             "needs a [motor]",
         ),
         ("[supply]\n\n[[supply.change]]\nat_ms = 5\n", 3, "for_ms"),
+        (
+            "\n[servo]\nfeedback = \"hall\"\n",
+            2,
+            "missing field `axis`",
+        ),
+        (
+            "[servo]\naxis = \"servo_1kw\"\n",
+            2,
+            "`servo_1kw` is no ready axis: `nema17`, ",
+        ),
+        (
+            "[servo]\naxis = \"nema17\"\nfeedback = \"halls\"\n",
+            3,
+            "expected one of `incremental`, `hall`, `absolute`",
+        ),
+        (
+            "[servo]\naxis = \"nema17\"\nfeedback = \"absolute\"\nbits = 11\n",
+            4,
+            "bits = 11 is not 12 to 20",
+        ),
+        (
+            "[servo]\naxis = \"servo_100w\"\nfeedback = \"hall\"\nbits = 14\n",
+            4,
+            "bits needs feedback = \"absolute\"",
+        ),
+        (
+            "[servo]\ntable = true\naxis = \"servo_100w\"\n",
+            2,
+            "table needs feedback = \"absolute\"",
+        ),
+        (
+            "[servo]\naxis = \"servo_100w_hall\"\neccentricity_mrad = 3\n",
+            3,
+            "eccentricity_mrad needs",
+        ),
+        (
+            "[servo]\naxis = \"nema17\"\nfeedback = \"absolute\"\neccentricity_mrad = 501\n",
+            4,
+            "at most 500",
+        ),
+        (
+            "[servo]\naxis = \"nema17\"\n[motor]\n",
+            3,
+            "[motor] does not go with a [servo]",
+        ),
+        (
+            "[supply]\n[servo]\naxis = \"nema17\"\n",
+            1,
+            "[supply] does not go",
+        ),
+        (
+            "[servo]\naxis = \"nema17\"\n[stops]\nlow = 0\nhigh = 9\n",
+            3,
+            "[stops] does not go",
+        ),
+        (
+            "[servo]\naxis = \"nema17\"\n[settings]\n\"2070h:1\" = 5\n",
+            4,
+            "no object",
+        ),
     ] {
         let (found, what) = refused(text);
         assert_eq!(found, Some(line), "{text}: {what}");
         assert!(what.contains(part), "{text}: {what}");
         assert!(!what.contains('\n'), "{text}: {what}");
     }
+}
+
+/// The ready axis of this name as a file has it, with these keys.
+fn servo(name: &str, keys: &str) -> Axis {
+    Axis::from_toml(&format!("[servo]\naxis = \"{name}\"\n{keys}")).unwrap()
+}
+
+fn magnet(axis: &Axis) -> Magnet {
+    axis.servo.unwrap().magnet
+}
+
+#[test]
+fn a_servo_is_a_ready_axis_with_the_machine_behind_it() {
+    for ready in AXES {
+        assert_eq!(servo(ready.name, ""), Axis::servo(&ready.at_work()));
+    }
+}
+
+#[test]
+fn the_feedback_makes_the_ready_axes_with_other_sensors() {
+    for (feedback, name) in [
+        ("hall", "servo_100w_hall"),
+        ("absolute", "servo_100w_absolute"),
+    ] {
+        let made = servo("servo_100w", &format!("feedback = \"{feedback}\"\n"));
+        let ready = ServoAxisData {
+            name: "servo_100w",
+            ..ServoAxisData::named(name).unwrap()
+        };
+        assert_eq!(made, Axis::servo(&ready.at_work()));
+    }
+    let made = servo("nema17", "feedback = \"incremental\"\n");
+    assert_eq!(magnet(&made), Magnet::Searched);
+}
+
+#[test]
+fn an_absolute_encoder_has_bits_and_a_magnet_off_its_centre() {
+    let keys = "feedback = \"absolute\"\nbits = 14\neccentricity_mrad = 20\n";
+    let made = servo("nema23", keys);
+    let sensors = made.servo.unwrap().plant.sensors;
+    assert_eq!((sensors.bits, sensors.eccentricity), (14, 0.02));
+    assert_eq!(magnet(&made), Magnet::Absolute(&[0; 64]));
+    let corrected = servo("nema23", &format!("{keys}table = true\n"));
+    let table = eccentricity_table(0.02);
+    assert_eq!(magnet(&corrected), Magnet::Absolute(table));
+    assert_ne!(magnet(&corrected), magnet(&made));
+}
+
+#[test]
+fn what_a_file_sets_stays_where_a_servo_sets_up_its_drive() {
+    let of = |axis: &Axis, index| {
+        let values = axis.settings.values().iter();
+        let mut found = values.filter(|(address, _)| *address == Address::new(index, 0));
+        (found.next().map(|(_, value)| value.clone()), found.count())
+    };
+    let axis = servo("servo_100w", "[settings]\n\"6072h\" = 1500\n");
+    assert_eq!(of(&axis, 0x6072), (Some(vec![0xDC, 0x05]), 0));
+    let ready = Axis::servo(&ServoAxisData::named("servo_100w").unwrap());
+    assert_eq!(of(&axis, 0x6073), of(&ready, 0x6073));
+    assert!(of(&ready, 0x6073).0.is_some());
 }
 
 /// The axes in a folder below `sim/plants`.
@@ -262,6 +382,7 @@ fn every_key_is_in_the_manual() {
         "[motor]",
         "[load]",
         "[heat]",
+        "[servo]",
         "[supply]",
         "[[supply.change]]",
     ];

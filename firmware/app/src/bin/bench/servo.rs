@@ -89,8 +89,8 @@ fn cascade() -> u32 {
     let gains = Gains::from_bandwidth(800.0);
     let low_pass = Filter::low_pass(800.0, 0.7, 250e-6).unwrap();
     let notch = Filter::notch(300.0, 2.0, 250e-6).unwrap();
-    let cascade = Cascade::new(&MOTOR, gains, 250e-6).unwrap();
-    let mut cascade = cascade.with(low_pass, notch, 0.03).unwrap();
+    let mut cascade = Cascade::new(&MOTOR, gains, 0.03, 250e-6).unwrap();
+    cascade.set_filters(low_pass, notch, 0.0);
     let mut worst = 0;
     for at in 0..1_000_u16 {
         let position = i64::from(at) * 25;

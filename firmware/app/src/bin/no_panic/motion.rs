@@ -1,6 +1,6 @@
 //! Everything `motion` offers: plans, axes, homing, and the pulses on their way to a timer.
 
-use cia402::{ServoGoal, ServoOrder, ServoPort, ServoReport};
+use cia402::{RatedMotor, ServoGoal, ServoOrder, ServoPort, ServoReport};
 use motion::advanced_timer::{Output, Register, Registers};
 use motion::homing::{self, Homing, Method};
 use motion::step_interrupt::{Edge, Player, RecordQueue, StepTimer};
@@ -72,6 +72,15 @@ impl PulseSink for Sink {
 }
 
 impl ServoPort for Sink {
+    fn motor(&self) -> RatedMotor {
+        RatedMotor {
+            current: any(),
+            torque: any(),
+            inertia: any(),
+            counts: any(),
+        }
+    }
+
     fn order(&mut self, order: &ServoOrder) {
         look(order.current ^ order.torque as u32 ^ order.max_torque.0 ^ order.max_torque.1);
         if let ServoGoal::Position { counts, part, .. } = order.goal {

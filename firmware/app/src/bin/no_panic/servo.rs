@@ -193,8 +193,8 @@ fn tuned(wiring: Wiring, modulation: Modulation) -> Result<(), Implausible> {
 fn above(motor: &Motor) -> Result<(), Implausible> {
     let low_pass = Filter::low_pass(number(), number(), number())?;
     let notch = Filter::notch(number(), number(), number())?;
-    let cascade = Cascade::new(motor, gains(), number())?;
-    let mut cascade = cascade.with(low_pass, notch, number())?;
+    let mut cascade = Cascade::new(motor, gains(), number(), number())?;
+    cascade.set_filters(low_pass, notch, number());
     let mut commutation = Commutation::new(motor, number(), number())?;
     let mut thermal = Thermal::new(number(), number(), number(), number())?;
     let mut bus = Bus::new(number(), number(), number())?;

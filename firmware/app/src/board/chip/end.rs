@@ -8,8 +8,8 @@ use cortex_m_rt::exception;
 
 use crate::board::own::cut;
 
-/// Where a stack may lie.
-const RAM: core::ops::RangeInclusive<u32> = 0x2000_0000..=0x2001_FFE0;
+/// Where the stack lies, as `memory.x` has it, but for the last frame.
+const STACK: core::ops::RangeInclusive<u32> = 0x1000_0000..=0x1000_BFE0;
 
 /// Until the watchdog bites.
 fn wait() -> ! {
@@ -46,8 +46,8 @@ unsafe extern "C" fn hard_fault() -> ! {
 /// `frame`: where the processor has put what it saved, if it could.
 extern "C" fn fault(frame: u32) -> ! {
     cut();
-    if RAM.contains(&frame) && frame.is_multiple_of(4) {
-        // SAFETY: eight words from there on lie in RAM, and any bits are a number.
+    if STACK.contains(&frame) && frame.is_multiple_of(4) {
+        // SAFETY: eight words from there on lie in memory, and any bits are a number.
         let address = unsafe { (frame as *const u32).add(6).read_volatile() };
         defmt::error!("hard fault at {=u32:#010x}", address);
     }

@@ -9,6 +9,8 @@ pub mod flash;
 #[cfg(not(feature = "odrive36"))]
 pub mod lights;
 pub mod output_pins;
+#[cfg(not(feature = "stm32f405"))]
+pub mod ram_code;
 #[cfg(not(feature = "odrive36"))]
 pub mod switches;
 pub mod watchdog;
@@ -18,6 +20,7 @@ mod end;
 mod mailboxes;
 
 use canopen::cia301::serial_number::fold;
+use cortex_m::register::control::{self, Fpca};
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 use stm32f4xx_hal::signature::Uid;
@@ -41,6 +44,15 @@ pub fn start_time(timer: pac::TIM5, rcc: &mut Rcc) {
     pac::TIM5::enable(rcc);
     pac::TIM5::reset(rcc);
     timer.cr1().write(|w| w.cen().set_bit());
+}
+
+/// Sleeps. What ran before has used the FPU, but nothing is left in its registers: without this each interrupt that uses it would stack them.
+pub fn idle() {
+    let mut control = control::read();
+    control.set_fpca(Fpca::NotActive);
+    // SAFETY: who sleeps in a loop has no number in a register of the FPU.
+    unsafe { control::write(control) };
+    cortex_m::asm::wfi();
 }
 
 /// The count of TIM5.

@@ -40,7 +40,7 @@ use stm32f4xx_hal::pac;
 use stm32f4xx_hal::prelude::*;
 
 use super::chip::watchdog::Watchdog;
-use super::chip::{self, can, clocks, flash, CORE_HZ, TIMERS_HZ};
+use super::chip::{self, can, clocks, flash, ram_code, CORE_HZ, TIMERS_HZ};
 pub use super::servo_stage::encoder::index;
 use super::servo_stage::{self, converters, encoder, lines, orders, stage};
 use super::{user_memory, Board, Parts};
@@ -99,6 +99,7 @@ impl Board for Odrive36 {
         let watchdog = Watchdog::start(device.IWDG, chip::WATCHDOG_MS, &device.DBGMCU);
         let mut rcc = clocks::start(device.RCC);
         clocks::watch_supply(&device.PWR, &device.EXTI, &mut rcc);
+        ram_code::start(&device.SYSCFG, &mut rcc);
 
         let a = device.GPIOA.split(&mut rcc);
         let b = device.GPIOB.split(&mut rcc);
@@ -258,7 +259,7 @@ impl Board for Odrive36 {
     }
 
     fn idle() {
-        cortex_m::asm::wfi();
+        chip::idle();
     }
 }
 

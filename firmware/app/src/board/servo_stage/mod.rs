@@ -94,6 +94,8 @@ struct OfLoops {
     current: Masked,
 }
 
+/// In the memory of the core alone, where it takes no turns with the instructions of the interrupt.
+#[link_section = ".uninit.streamed"]
 static mut OF_CURRENT: MaybeUninit<OfCurrent> = MaybeUninit::uninit();
 static mut OF_LOOPS: MaybeUninit<OfLoops> = MaybeUninit::uninit();
 
@@ -128,9 +130,12 @@ pub fn start(
     let objects = LinkedServoObjects {
         link: &LINK,
         objects: servo::ServoObjects::default(),
+        motor: Port::rated(&DATA.motor),
     };
     let port = Port::new(&LINK, chip::ticks(), timer);
-    let port = port.with_counts(own::DATA.motor.counts, DATA.motor.counts);
+    let port = port
+        .with_counts(own::DATA.motor.counts, DATA.motor.counts)
+        .with_motor(&DATA.motor);
     (Orders(port), objects)
 }
 
@@ -141,8 +146,15 @@ pub fn on_current() {
     let of_current = unsafe { (*addr_of_mut!(OF_CURRENT)).assume_init_mut() };
     if !of_current.bridges.is_sampled() {
         of_current.converters.pass();
-        return;
+    } else {
+        on_samples(of_current);
     }
+}
+
+/// Apart, as it saves registers that the other interrupt spares itself. In RAM (memory.x), with what it calls in each period put into it.
+#[inline(never)]
+#[link_section = ".current"]
+fn on_samples(of_current: &mut OfCurrent) {
     let counts = of_current.converters.read(encoder::count());
     match of_current.current.period(&counts) {
         Some(widths) => of_current.bridges.put(widths),

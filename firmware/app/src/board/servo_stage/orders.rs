@@ -1,6 +1,6 @@
 //! The port of the servo axis, in place of pulses; and the objects of the servo in the dictionary.
 
-use cia402::{Behaves, Behaviour, ServoOrder, ServoPort, ServoReport};
+use cia402::{Behaves, Behaviour, RatedMotor, ServoOrder, ServoPort, ServoReport};
 use motion::{PulseSink, Record, Ticks};
 use runtime::servo::{self, Link, Port, ServoSettings};
 
@@ -48,6 +48,10 @@ impl Pulses for Orders {
 
     fn mend(&mut self) {}
 
+    fn motor(&self) -> RatedMotor {
+        self.0.motor()
+    }
+
     fn order(&mut self, order: &ServoOrder) {
         self.0.order(order);
     }
@@ -65,6 +69,7 @@ impl Pulses for Orders {
 pub struct LinkedServoObjects {
     pub link: &'static Link,
     pub objects: servo::ServoObjects,
+    pub motor: RatedMotor,
 }
 
 impl ServoObjects for LinkedServoObjects {
@@ -88,5 +93,6 @@ impl ServoObjects for LinkedServoObjects {
         self.link.set_up(settings, request);
         self.objects.show(dictionary, &self.link.found());
         servo::ServoObjects::show_lead(dictionary, self.link.lead());
+        servo::ServoObjects::show_rated(dictionary, self.motor);
     }
 }

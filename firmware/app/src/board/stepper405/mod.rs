@@ -43,7 +43,7 @@ use stm32f4xx_hal::prelude::*;
 
 use super::chip::lights::PinLights;
 use super::chip::watchdog::Watchdog;
-use super::chip::{self, can, clocks, flash, switches, CORE_HZ, TIMERS_HZ};
+use super::chip::{self, can, clocks, flash, ram_code, switches, CORE_HZ, TIMERS_HZ};
 use super::servo_stage::{self, converters, encoder, lines, orders, stage};
 use super::{user_memory, Board, Parts};
 use crate::stepping::SharedEmitter;
@@ -105,6 +105,7 @@ impl Board for Stepper405 {
         let watchdog = Watchdog::start(device.IWDG, chip::WATCHDOG_MS, &device.DBGMCU);
         let mut rcc = clocks::start(device.RCC);
         clocks::watch_supply(&device.PWR, &device.EXTI, &mut rcc);
+        ram_code::start(&device.SYSCFG, &mut rcc);
 
         let a = device.GPIOA.split(&mut rcc);
         let b = device.GPIOB.split(&mut rcc);
@@ -256,7 +257,7 @@ impl Board for Stepper405 {
     }
 
     fn idle() {
-        cortex_m::asm::wfi();
+        chip::idle();
     }
 }
 

@@ -237,6 +237,6 @@ impl Board for Stm32f405 {
     }
 
     fn idle() {
-        cortex_m::asm::wfi();
+        chip::idle();
     }
 }

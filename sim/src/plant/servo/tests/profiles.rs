@@ -95,7 +95,7 @@ fn no_load_profile_costs_a_step() {
         assert_eq!(rig.servo.fault(), None, "{what}");
         // It swings, and friction leaves some of the lead, for half a second at most.
         let away = |rig: &Rig| {
-            let turns = rig.servo.plant.angle() / std::f64::consts::TAU;
+            let turns = rig.servo.plant.angle() / TAU;
             (turns * counts - rig.position).abs() / full_step
         };
         let (mut stood, mut waited) = (0, 0.0);
