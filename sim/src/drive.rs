@@ -220,21 +220,20 @@ impl<D: Behaves + Default, A: Moving> VirtualDrive<D, A> {
             return;
         };
         let rated = servo.rated();
-        let loops = servo.loops_mut();
         let (mut settings, mut request) = self
             .servo_objects
             .read(self.node.device().node().dictionary());
         if D::Behaviour::IS_THERE {
             let (dictionary, product) = self.node.product();
-            request = product.loops(dictionary, &loops.loop_report(), &mut settings);
+            request = product.loops(dictionary, &servo.loop_report(), &mut settings);
         }
-        loops.set_up(&settings);
+        servo.set_up(&settings);
         if let Some(request) = request {
-            loops.request(request);
+            servo.request(request);
         }
         self.servo_objects
-            .show(self.node.dictionary_mut(), loops.found());
-        ServoObjects::show_lead(self.node.dictionary_mut(), loops.lead());
+            .show(self.node.dictionary_mut(), servo.loops().found());
+        ServoObjects::show_lead(self.node.dictionary_mut(), servo.loops().lead());
         ServoObjects::show_rated(self.node.dictionary_mut(), rated);
     }
 

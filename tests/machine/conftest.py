@@ -1,6 +1,6 @@
 """What the tests share: the image of the board, the chip that runs it, and a master on its bus.
 
-`--image` names the ELF file of the board `stm32f405`, `--servo-image` that of `odrive36`, `--stepper-image` that of
+`--image` names the ELF file of the board `stm32f405`, `--servo-image` that of `odrive36`, `--servo-40khz-image` the same with its current loop at 40 kHz, `--stepper-image` that of
 `stepper405`, `--plant` the program that plays its motor,
 `--tuner` the one that measures a motor; `cargo xtask board-test` builds them."""
 
@@ -24,6 +24,7 @@ NODE_ID = 5
 def pytest_addoption(parser):
     parser.addoption("--image", default=ROOT / "target" / "xtask" / "axis402-stm32f405.elf", help="the image that is flashed")
     parser.addoption("--servo-image", default=ROOT / "target" / "xtask" / "axis402-odrive36.elf", help="the image of the servo board")
+    parser.addoption("--servo-40khz-image", default=ROOT / "target" / "xtask" / "axis402-odrive36-40khz.elf", help="the same at 40 kHz")
     parser.addoption("--lmd-image", default=ROOT / "target" / "xtask" / "axis402-stepper405.lmd.elf", help="the image of the LMD on that board")
     parser.addoption("--s200-image", default=ROOT / "target" / "xtask" / "axis402-odrive36.s200.elf", help="the image of the S200 on the servo board")
     parser.addoption("--stepper-image", default=ROOT / "target" / "xtask" / "axis402-stepper405.elf", help="the image of the board with two full bridges")

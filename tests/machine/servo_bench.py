@@ -75,6 +75,38 @@ def on_the_way(servo, speed, way):
     assert abs(servo[0x607A] - servo[0x6064]) > abs(way) / 2
 
 
+#: Clocks of a period of the loops above the current, 4 kHz.
+CONTROL = 42_000
+#: Clocks that the interrupts of a period may take, by the model of cost: the one of the currents in each of the modulation, the other in each of the loops. What they take
+#: on each board, and in which motion, is in docs/servo.md.
+CURRENT, LOOPS = 1_000, 4_600
+#: For so long the loops keep back the current interrupt.
+MASKED = 320
+
+
+def interrupts_are_short(chip, periods, more=0, modulation=PERIOD):
+    """The clocks that the interrupts of the currents and of the loops take, by the model of cost, in so many periods of the loops. `more`: how often the converters end in a
+    period of the modulation for nothing."""
+    chip.core.count_cost()
+    chip.core.cost.forget()
+    served = {name: chip.core.counts[16 + IRQ[name]] for name in ("ADC", "TIM7")}
+    taken, current, loops = chip.core.shares.clocks, [], []
+    for _ in range(periods):
+        above = taken[level(6)]
+        for _ in range(CONTROL // modulation):
+            before = taken[level(7)]
+            chip.run(modulation)
+            current.append(taken[level(7)] - before)
+        loops.append(taken[level(6)] - above)
+    for name, times in (("ADC", CONTROL // modulation * (1 + more)), ("TIM7", 1)):
+        assert chip.core.counts[16 + IRQ[name]] - served[name] == periods * times, name
+    masked = chip.core.cost.longest[level(7)]
+    for name, clocks in (("currents", current), ("loops", loops)):
+        print(f"{name}: {sum(clocks) / len(clocks):.0f} clocks in the mean, {max(clocks)} at most")
+    print(f"currents masked for {masked} clocks at most")
+    # Widths are written in their half of a period, also where the loops come before.
+    assert max(current) + masked < modulation / 2
+    assert max(current) < CURRENT and max(loops) < LOOPS and masked < MASKED
 def current_interrupts(chip, periods, more=0):
     """The clocks that the interrupt of the converters takes in each of these periods, by the model of cost. `more`: how often it comes in a period beside the one."""
     core, number, clocks = chip.core, 16 + IRQ["ADC"], []

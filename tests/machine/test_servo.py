@@ -4,7 +4,7 @@ import pytest
 from drive import FAULT, FAULT_RESET, OPERATION_ENABLED
 from gate_driver import CONTROL_1, CONTROL_2, GateDriver
 from motor import Motor
-from servo_bench import PERIOD, PROFILE_POSITION, Kind, commanded, current_interrupts, enable, hold, in_flash, move, on_the_way, starting
+from servo_bench import PROFILE_POSITION, Kind, commanded, enable, hold, in_flash, interrupts_are_short, move, on_the_way, starting
 from stm32f405 import HZ
 from stm32f405.image import Image
 
@@ -126,15 +126,14 @@ def test_counts_that_are_lost_are_a_fault_at_the_next_index(found):
     assert chip.tim1.centre.duties() is None
 
 
-def test_the_current_interrupt_is_over_before_its_widths_are_taken(found):
-    """In clocks by the model of cost; the loops above the current run in one of five."""
+def test_the_interrupts_are_short(found):
     hold(found, 300)
-    assert max(current_interrupts(found.chip, 100)) < PERIOD / 2
+    interrupts_are_short(found.chip, 20)
 
 
-def test_it_is_in_a_move_too(found):
+def test_they_are_in_a_move_too(found):
     on_the_way(found, 100_000, 100_000)
-    assert max(current_interrupts(found.chip, 100)) < PERIOD / 2
+    interrupts_are_short(found.chip, 20)
 
 
 def test_what_the_current_interrupt_does_in_each_period_runs_in_ram(found):

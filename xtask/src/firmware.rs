@@ -29,6 +29,8 @@ const WHOLE: &str = "stm32f405,sin-squared,block-transfer";
 /// The servo on the board ODrive v3.6, without logs.
 const ODRIVE: &str = "odrive36,sin-squared,block-transfer";
 
+/// The same with its current loop at 40 kHz.
+const ODRIVE_40KHZ: &str = "odrive36,sin-squared,block-transfer,pwm-40khz";
 /// The same without what the compact image leaves out.
 const ODRIVE_FOR_SIZE: &str = "odrive36";
 
@@ -47,6 +49,8 @@ pub enum Image {
     Whole,
     /// The servo on the board ODrive v3.6, without logs.
     Odrive,
+    /// The same with its current loop at 40 kHz.
+    Odrive40khz,
     /// The same for least size, as the compact image is built.
     OdriveForSize,
     /// The stepper in closed loop on the board with two full bridges, without logs.
@@ -76,6 +80,7 @@ impl Image {
             Self::Board
             | Self::Whole
             | Self::Odrive
+            | Self::Odrive40khz
             | Self::OdriveForSize
             | Self::Stepper
             | Self::Compact
@@ -101,6 +106,7 @@ impl Image {
             Self::Board | Self::BasicDevice => &[],
             Self::NoPanic | Self::Whole => &["--no-default-features", "--features", WHOLE],
             Self::Odrive | Self::NoPanicServo => &["--no-default-features", "--features", ODRIVE],
+            Self::Odrive40khz => &["--no-default-features", "--features", ODRIVE_40KHZ],
             Self::OdriveForSize => &["--no-default-features", "--features", ODRIVE_FOR_SIZE],
             Self::Stepper => &["--no-default-features", "--features", STEPPER],
             Self::Compact | Self::Least | Self::BasicDeviceForSize => {
@@ -113,7 +119,9 @@ impl Image {
     /// Its board: the folder in `firmware/app/src/board`.
     pub fn board(self) -> &'static str {
         match self {
-            Self::Odrive | Self::OdriveForSize | Self::NoPanicServo => "odrive36",
+            Self::Odrive | Self::Odrive40khz | Self::OdriveForSize | Self::NoPanicServo => {
+                "odrive36"
+            }
             Self::Stepper => "stepper405",
             Self::Qemu | Self::Bench => "qemu",
             _ => "stm32f405",
@@ -155,6 +163,7 @@ impl Image {
             Self::Board => "axis402-stm32f405.elf",
             Self::Whole => "axis402-without-logs.elf",
             Self::Odrive => "axis402-odrive36.elf",
+            Self::Odrive40khz => "axis402-odrive36-40khz.elf",
             Self::OdriveForSize => "axis402-odrive36-for-size.elf",
             Self::Stepper => "axis402-stepper405.elf",
             Self::Compact => "axis402-compact.elf",

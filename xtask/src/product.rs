@@ -111,6 +111,7 @@ pub fn chips(command: &mut Command) -> Result<()> {
         ("--s200-image", Image::Odrive, "s200"),
         ("--stepper-image", Image::Stepper, ""),
         ("--servo-image", Image::Odrive, ""),
+        ("--servo-40khz-image", Image::Odrive40khz, ""),
     ] {
         let product: Option<Product> = name.parse().ok();
         command.arg(flag).arg(image.build_as(product.as_ref())?);

@@ -11,6 +11,7 @@ macro_rules! app {
         edge: [$($edge:ident: $edge_interrupt:ident),*],
         trip: [$($trip:ident: $trip_interrupt:ident),*],
         current: [$($current:ident: $current_interrupt:ident),*],
+        loops: [$($loops:ident: $loops_interrupt:ident),*],
         can: [$($can:ident: $can_interrupt:ident),*],
         refill: [$($refill:ident: $refill_interrupt:ident),*],
         wake: [$($wake:ident: $wake_interrupt:ident),*],
@@ -116,6 +117,13 @@ macro_rules! app {
                 #[task(binds = $current_interrupt, priority = 7)]
                 fn $current(_: $current::Context) {
                     Selected::on_current();
+                }
+            )*
+
+            $(
+                #[task(binds = $loops_interrupt, priority = 6)]
+                fn $loops(_: $loops::Context) {
+                    Selected::on_loops();
                 }
             )*
 

@@ -3,11 +3,12 @@
 //! | task | priority | raised by | does |
 //! |---|---|---|---|
 //! | `trip` | 8 | the gate driver of a servo | no current |
-//! | `current` | 7 | the converters of a servo, 20 kHz | its loops: current, velocity, position |
+//! | `current` | 7 | the converters of a servo, 20 kHz | its current loop: samples to pulse widths |
+//! | `loops` | 6 | `current`, 4 kHz | its loops above that: velocity, position, limits, what is watched |
 //! | `step`, `cut_off` | 6 | step timer: a step, where it needs help with each; its break input | step pulses, counted; stops the timer whose pulses no longer leave |
 //! | `edge` | 6 | an edge of a digital input | captures the position |
 //! | `received`, `sent`, `error` | 5 | CAN controller | stamps frames and queues them; room for the next frame; errors |
-//! | `refill` | 4 | refill timer, or `current`, 4 kHz | commits pulses |
+//! | `refill` | 4 | refill timer, or `loops`, 4 kHz | commits pulses |
 //! | `control` | 3 | system timer, 1 kHz or in step with SYNC | state machine, mode, planner |
 //! | `stop` | 3 | `node`, for a command to stop | the control tick for it, which does not wait for the next one |
 //! | `node` | 2 | the start, a frame, room to send, every control tick, a deadline of its own | CANopen, which it powers on first; writes the parameter sectors |

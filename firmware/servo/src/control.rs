@@ -17,7 +17,7 @@ use crate::cascade::{Actual, Demand, Gains, Limits};
 use crate::current_loop::Trip;
 use crate::feedback::FeedbackFault;
 use crate::filter::Filter;
-use crate::interrupt::CurrentInterrupt;
+use crate::interrupt::Snapshot;
 use crate::motor::Implausible;
 use crate::number::{between, fade, lesser, limit, root};
 use crate::protection::{Bus, Derating, Thermal};
@@ -25,7 +25,7 @@ use crate::stepper::{Stepper, StepperConfig};
 use crate::transform::Rotor;
 use crate::tuning::Chirp;
 use crate::{Angle, Cascade, Motor};
-pub use order::{Goal, Order, Report, Seen};
+pub use order::{Goal, Order, Report};
 use watch::Watch;
 
 /// Why the motor has no current any more.
@@ -283,24 +283,22 @@ impl Control {
         self.fault
     }
 
-    /// A period: the current in d and q for the next, in A.
+    /// A period, with the stage so hot, in °C: the current in d and q for the next, in A.
     ///
     /// # Errors
     /// The gates are to be off.
-    pub fn run(&mut self, interrupt: &CurrentInterrupt, seen: &Seen) -> Result<Rotor, Fault> {
+    pub fn run(&mut self, seen: &Snapshot, temperature: f32) -> Result<Rotor, Fault> {
         if let Some(fault) = self.fault {
             return Err(fault);
         }
-        let actual = self.actual(interrupt);
+        let actual = self.actual(seen);
         let velocity = actual.velocity;
         let gained = velocity - core::mem::replace(&mut self.velocity, velocity);
-        let (pushes, share) = (self.pushes(), self.derating.share(seen.temperature));
+        let (pushes, share) = (self.pushes(), self.derating.share(temperature));
         let is_fed = !self.bus.is_sunk(seen.bus);
         let found = match share {
             _ if share <= 0.0 => Some(Fault::Temperature),
-            _ => self
-                .watch
-                .run(&self.motor, interrupt, seen, is_fed, pushes, velocity),
+            _ => self.watch.run(&self.motor, seen, is_fed, pushes, velocity),
         };
         // What is held at rest by less than all is not blocked.
         let found = found.filter(|fault| *fault != Fault::Blocked || self.is_limited);
@@ -308,7 +306,7 @@ impl Control {
             self.fail(fault);
             return Err(fault);
         }
-        let current = interrupt.current.current();
+        let current = seen.current;
         self.shown = self.shown.fading_to(current, self.shows);
         let [motor, stage] = &mut self.thermal;
         let square = current.square();
@@ -339,7 +337,7 @@ impl Control {
         self.field = None;
         let wanted = match holder {
             Holder::Field => {
-                let field = self.lead(&demand, interrupt, is_new, limits, seen.bus);
+                let field = self.lead(&demand, seen, is_new, limits);
                 along = field.d;
                 field.q
             }
@@ -363,7 +361,7 @@ impl Control {
         })
     }
 
-    /// Whether the current of the last period is a field that turns by itself, for [`CurrentInterrupt::order_field`]: from where it was seen, and its
+    /// Whether the current of the last period is a field that turns by itself, for [`CurrentInterrupt::order_field`](crate::CurrentInterrupt::order_field): from where it was seen, and its
     /// speed in electrical rad/s.
     pub fn field(&self) -> Option<(Angle, f32)> {
         self.field
@@ -376,28 +374,21 @@ impl Control {
         motor.share().max(stage.share())
     }
 
-    /// What there is to tell.
-    pub fn report(&self, interrupt: &CurrentInterrupt) -> Report {
+    /// What there is to tell while the motor has current.
+    pub fn report(&self, seen: &Snapshot) -> Report {
         let current = self.shown;
         let constant = self.torque_constant;
         let saliency = self.motor.inductance_d - self.motor.inductance_q;
         let torque = constant * (1.0 + saliency * current.d / self.motor.flux) * current.q;
         let size = root(current.square());
-        let report = Report {
-            velocity: self.actual(interrupt).velocity / self.cascade.count,
-            is_hot: self.heat() > 0.9,
-            ..Report::default()
-        };
-        if self.fault.is_some() {
-            return report;
-        }
         Report {
             demand: self.wanted * constant,
             torque,
             current: if current.q < 0.0 { -size } else { size },
+            velocity: self.actual(seen).velocity / self.cascade.count,
             is_limited: self.is_limited,
-            lead: self.field_lead().unwrap_or(0.0),
-            ..report
+            lead: self.lead_angle(),
+            is_hot: self.is_hot(),
         }
     }
 
@@ -407,10 +398,21 @@ impl Control {
         (self.holder == Holder::Field).then(|| stepper.lead())
     }
 
-    fn actual(&self, interrupt: &CurrentInterrupt) -> Actual {
+    /// By how many full steps the field of a stepper is to lead the rotor; 0 where none does.
+    pub fn lead_angle(&self) -> f32 {
+        let lead = self.field_lead().filter(|_| self.fault.is_none());
+        lead.unwrap_or(0.0)
+    }
+
+    /// The heat has come near its bound.
+    pub fn is_hot(&self) -> bool {
+        self.heat() > 0.9
+    }
+
+    fn actual(&self, seen: &Snapshot) -> Actual {
         Actual {
-            position: interrupt.encoder.position(),
-            velocity: interrupt.observer.speed() / f32::from(self.motor.pole_pairs),
+            position: seen.position,
+            velocity: seen.speed / f32::from(self.motor.pole_pairs),
         }
     }
 

@@ -24,6 +24,31 @@ pub struct Counts {
     pub timer: u16,
 }
 
+/// What the loops above look at: a copy of what the interrupt has come to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Snapshot {
+    /// Of the encoder, from where it began, in counts.
+    pub position: i64,
+    /// The electrical angle of the middle of its count.
+    pub count: Angle,
+    /// The electrical angle of the rotor between the counts.
+    pub angle: Angle,
+    /// How fast that turns, in electrical rad/s.
+    pub speed: f32,
+    /// Of the last sample, in A.
+    pub current: Rotor,
+    /// What was asked for at the last sample, within its limits, in A.
+    pub demand: Rotor,
+    /// The voltage that the model does not know of, in V.
+    pub unknown: Rotor,
+    /// How fast an error of the current goes, in 1/s.
+    pub rate: f32,
+    /// The voltage of the bus, in V.
+    pub bus: f32,
+    /// The sum of all phase currents, in A.
+    pub sum: f32,
+}
+
 /// See the module.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CurrentInterrupt {
@@ -130,6 +155,27 @@ impl CurrentInterrupt {
             turn: Angle::ZERO,
         };
         self.current.run(&sample, Rotor { d: current, q: 0.0 })
+    }
+
+    /// The bus in V.
+    pub fn volts(&self, counts: &Counts) -> f32 {
+        f32::from(counts.bus) * self.bus
+    }
+
+    /// What it has come to, with what was measured last.
+    pub fn snapshot(&self, counts: &Counts) -> Snapshot {
+        Snapshot {
+            position: self.encoder.position(),
+            count: self.encoder.angle(),
+            angle: self.observer.angle(),
+            speed: self.observer.speed(),
+            current: self.current.current(),
+            demand: self.current.demand(),
+            unknown: self.current.unknown(),
+            rate: self.current.rate(),
+            bus: self.volts(counts),
+            sum: self.sense.amperes(counts.currents).iter().sum(),
+        }
     }
 }
 

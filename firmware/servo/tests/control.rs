@@ -5,11 +5,11 @@ mod rig;
 use proptest::prelude::*;
 use rig::{HALF, PERIOD, modulation, motor, turned};
 use servo::cascade::Gains;
-use servo::control::{ControlConfig, Goal, Order, Seen};
+use servo::control::{ControlConfig, Goal, Order};
 use servo::current_loop::CurrentConfig;
 use servo::feedback::{Incremental, Observer};
 use servo::filter::Filter;
-use servo::interrupt::Counts;
+use servo::interrupt::{Counts, Snapshot};
 use servo::modulation::{Widths, shares};
 use servo::offsets::CurrentSense;
 use servo::protection::{Bus, Derating};
@@ -74,14 +74,21 @@ impl Servo {
         }
     }
 
-    /// A period of the current loop; behind the last one of the control that of the control.
-    fn period(&mut self, counts: &Counts, seen: Option<&Seen>) -> Option<Widths> {
+    /// A period of the current loop, and behind it one of the control, that sees this voltage of the bus, temperature and sum of the currents.
+    fn period(&mut self, counts: &Counts, seen: Option<(f32, f32, f32)>) -> Option<Widths> {
         let widths = self.interrupt.run(counts);
         if let Err(trip) = widths {
             self.control.fail(trip.into());
         }
-        if let Some(seen) = seen
-            && let Ok(current) = self.control.run(&self.interrupt, seen)
+        if let Some((bus, temperature, sum)) = seen
+            && let Ok(current) = self.control.run(
+                &Snapshot {
+                    bus,
+                    sum,
+                    ..self.interrupt.snapshot(counts)
+                },
+                temperature,
+            )
         {
             match self.control.field() {
                 Some((from, speed)) => self.interrupt.order_field(current, from, speed),
@@ -201,7 +208,7 @@ proptest! {
             let bus = if bus.is_nan() { data.supply.voltage as f32 } else { bus };
             let temperature = if temperature.is_nan() { 25.0 } else { temperature };
             let sum = if sum.is_nan() { 0.0 } else { sum };
-            let widths = servo.period(&counts, Some(&Seen { bus, temperature, sum }));
+            let widths = servo.period(&counts, Some((bus, temperature, sum)));
             for width in widths.into_iter().flatten() {
                 prop_assert!(width.unsigned_abs() <= 31_458, "{}", width);
             }
@@ -214,7 +221,7 @@ proptest! {
                 prop_assert!(asked.q <= positive.max(0.0) / constant * 1.000_01, "{:?} {:?}", asked, order);
                 prop_assert!(asked.q >= -negative.max(0.0) / constant * 1.000_01, "{:?} {:?}", asked, order);
             }
-            let told = servo.control.report(&servo.interrupt);
+            let told = servo.control.report(&servo.interrupt.snapshot(&counts));
             for number in [told.demand, told.torque, told.current, told.velocity, told.lead, servo.control.heat()] {
                 prop_assert!(number.is_finite(), "{:?}", told);
             }
@@ -278,8 +285,8 @@ proptest! {
                     timer: readings.count as u16,
                 };
                 plant.chopper = servo.control.chops(readings.bus_voltage as f32);
-                let seen = Seen { bus: readings.bus_voltage as f32, temperature: 25.0, sum: 0.0 };
-                let widths = servo.period(&read, (period % PERIODS == 0).then_some(&seen));
+                let seen = (readings.bus_voltage as f32, 25.0, 0.0);
+                let widths = servo.period(&read, (period % PERIODS == 0).then_some(seen));
                 plant.run(HALF);
                 plant.gates = match widths {
                     Some(widths) => Gates::On(shares(servo.motor.wiring, widths).map(f64::from)),

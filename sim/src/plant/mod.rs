@@ -366,8 +366,7 @@ impl Plant {
 
     /// Steps in a turn of an absolute encoder, once it has told where in it the motor is. The position counts from its zero then.
     pub fn absolute_turn(&self) -> u32 {
-        let loops = self.servo.as_ref().map(|servo| servo.loops());
-        loops.map_or(0, runtime::servo::Loops::absolute_turn)
+        self.servo.as_ref().map_or(0, |servo| servo.absolute_turn())
     }
 
     /// How far the position may be from where the pulses lead while the motor is held, in pulses: an encoder shows the play of

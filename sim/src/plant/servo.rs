@@ -6,7 +6,10 @@
 use std::f64::consts::TAU;
 
 use motion::Ticks;
-use runtime::servo::{Feedback, Loops, Port, ServoData, StageData, error_code};
+use runtime::servo::{
+    Current, Feedback, LoopReport, Loops, Port, Request, ServoData, ServoSettings, StageData,
+    error_code,
+};
 use servo::control::Fault;
 use servo::feedback::absolute::{ENTRIES, NO_ERROR};
 use servo::interrupt::Counts;
@@ -198,6 +201,7 @@ pub struct ServoMotor {
     data: ServoAxisData,
     plant: Plant,
     rated: RatedMotor,
+    current: Current,
     loops: Loops,
     /// The count of an absolute encoder at its first word.
     begun: i64,
@@ -214,10 +218,12 @@ impl ServoMotor {
         let mut sensed = data.plant;
         sensed.sensors.counts = data.other_counts.unwrap_or(sensed.sensors.counts);
         let mut plant = Plant::new(sensed, seed).turning(data.start, 0.0);
+        let (current, loops) = loops(data, &mut plant);
         Self {
             data: *data,
-            loops: loops(data, &mut plant),
             plant,
+            current,
+            loops,
             begun: 0,
             rated: Port::rated(&data.motor()),
             scale: data.scale(),
@@ -228,7 +234,7 @@ impl ServoMotor {
 
     /// The power is back: the loops know nothing, and the motor is where it was.
     pub(super) fn power_on(&mut self) {
-        self.loops = loops(&self.data, &mut self.plant);
+        (self.current, self.loops) = loops(&self.data, &mut self.plant);
         self.begun = 0;
     }
 
@@ -242,19 +248,34 @@ impl ServoMotor {
         &self.plant
     }
 
-    /// The loops, to set them up or to have them measure the motor.
-    pub fn loops_mut(&mut self) -> &mut Loops {
-        &mut self.loops
+    /// Sets the loops up.
+    pub fn set_up(&mut self, settings: &ServoSettings) {
+        self.loops.set_up(&mut self.current, settings);
     }
 
-    /// The loops.
+    /// Has them measure the motor.
+    pub fn request(&mut self, request: Request) {
+        self.loops.request(&mut self.current, request);
+    }
+
+    /// Positions in a turn, as [`Current::absolute_turn`] says it.
+    pub fn absolute_turn(&self) -> u32 {
+        self.current.absolute_turn()
+    }
+
+    /// The loops above the current.
     pub fn loops(&self) -> &Loops {
         &self.loops
     }
 
+    /// What the loops report beside the actual values.
+    pub fn loop_report(&mut self) -> LoopReport {
+        self.loops.loop_report(&mut self.current)
+    }
+
     /// Counts since the power came.
     pub fn moved(&self) -> i64 {
-        self.loops.position() - self.begun
+        self.current.position() - self.begun
     }
 
     /// The count of an absolute encoder as the power came, once it has told; 0 for others, which count from there.
@@ -269,7 +290,7 @@ impl ServoMotor {
 
     /// Whether the loops may put current into the motor.
     pub fn energise(&mut self, on: bool) {
-        self.loops.energise(on);
+        self.loops.energise(&mut self.current, on);
         if !on {
             self.plant.gates = Gates::Off;
         }
@@ -281,7 +302,7 @@ impl ServoMotor {
     }
 
     fn fault(&self) -> Option<Fault> {
-        self.loops.fault()
+        self.current.fault()
     }
 
     /// Runs for so many microseconds. `order` was given at its moment of the step clock, of which the run begins at `begin`; its positions count from `origin` on.
@@ -308,17 +329,17 @@ impl ServoMotor {
         };
         let timer = match (self.data.magnet, readings.index) {
             (Magnet::Absolute(_), _) => {
-                let (moved, is_first) = (self.moved(), self.loops.absolute_turn() == 0);
-                let timer = self.loops.word(readings.word);
-                if is_first && self.loops.absolute_turn() != 0 {
-                    self.begun = self.loops.position() - moved;
+                let (moved, is_first) = (self.moved(), self.current.absolute_turn() == 0);
+                let timer = self.current.word(readings.word);
+                if is_first && self.current.absolute_turn() != 0 {
+                    self.begun = self.current.position() - moved;
                 }
                 timer
             }
             (_, index) => {
-                self.loops.hall(readings.hall);
+                self.current.hall(readings.hall);
                 if let Some(index) = index {
-                    self.loops.index(index as u16);
+                    self.current.index(index as u16);
                 }
                 readings.count as u16
             }
@@ -329,15 +350,14 @@ impl ServoMotor {
             timer,
         };
         self.plant.chopper = self.loops.chops(&counts);
-        let widths = self.loops.period(&counts, hot);
-        self.loops.control(&counts, since, origin, hot);
+        let widths = self.current.period(&counts);
+        if self.current.is_due() {
+            self.loops.run(&mut self.current, since, origin, hot);
+        }
         self.plant.run(HALF);
-        self.plant.gates = match (widths, self.fault()) {
-            (Some(widths), None) => {
-                Gates::On(shares(self.loops.motor().wiring, widths).map(f64::from))
-            }
-            _ => Gates::Off,
-        };
+        let widths = widths.filter(|_| !self.current.is_off());
+        let shares = |widths| shares(self.loops.motor().wiring, widths).map(f64::from);
+        self.plant.gates = widths.map_or(Gates::Off, |widths| Gates::On(shares(widths)));
         self.plant.run(HALF);
     }
 
@@ -348,7 +368,7 @@ impl ServoMotor {
 
     /// What has become of the orders, in counts from `origin` on.
     pub fn report(&self, origin: i64) -> ServoReport {
-        self.loops.report(origin)
+        self.loops.report(&self.current.state(), origin)
     }
 
     /// How far the rotor may be from where it is held at rest, in counts.
@@ -358,7 +378,7 @@ impl ServoMotor {
 
     /// The rotor stands against a limit of the torque.
     pub fn is_stalled(&self) -> bool {
-        self.loops.is_stalled()
+        self.loops.is_stalled(&self.current.state())
     }
 
     /// The heat of motor and stage has come near its bound.
@@ -368,14 +388,17 @@ impl ServoMotor {
 }
 
 /// The loops of a drive that has just got power.
-fn loops(data: &ServoAxisData, plant: &mut Plant) -> Loops {
+fn loops(data: &ServoAxisData, plant: &mut Plant) -> (Current, Loops) {
     let is_known = data.magnet == Magnet::Known;
     let magnet = is_known.then(|| angle(plant.electrical_angle()));
     let timer = match data.magnet {
         Magnet::Absolute(_) => 0,
         _ => plant.measure().count as u16,
     };
-    Loops::new(&data.loops(), timer, magnet).expect("the axes are plausible")
+    let data = data.loops();
+    let current = Current::new(&data, timer, magnet).expect("the axes are plausible");
+    let loops = Loops::new(&data).expect("the axes are plausible");
+    (current, loops)
 }
 
 /// The table that takes out what a magnet off its centre shows: so much too much, in rad, at the sine of its angle.

@@ -407,6 +407,7 @@ fn images() -> Result<Count> {
         Image::NoPanicServo,
         Image::Board,
         Image::Odrive,
+        Image::Odrive40khz,
         Image::Stepper,
         Image::Compact,
         Image::Qemu,

@@ -133,6 +133,13 @@ pub trait Board: Sized {
     )]
     fn on_current() {}
 
+    /// What is above the current of a servo: once in each period of its control, pended by [`Board::on_current`], below it and above all else.
+    #[allow(
+        dead_code,
+        reason = "a board with a step driver binds no interrupt to it"
+    )]
+    fn on_loops() {}
+
     /// The gate driver of a servo has a fault, above everything: no current.
     #[allow(
         dead_code,

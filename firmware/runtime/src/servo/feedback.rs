@@ -1,11 +1,45 @@
-//! Sensors that know where the magnet is: Hall sensors beside the encoder, or an absolute encoder in its place.
+//! Sensors that know where the magnet is: Hall sensors beside the encoder, or an absolute encoder in its place. Part of the current interrupt.
 
 use servo::control::Fault;
 use servo::feedback::{Absolute, Commutation, Hall, hall};
 use servo::{Angle, Implausible, Motor};
 
+use super::ServoSettings;
+use super::current::{Current, Work};
 use super::data::{Feedback, ServoData};
-use super::{Loops, ServoSettings};
+
+/// What the encoder and the sensors beside it mean, of the settings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct SensorSettings {
+    hall: [u8; 6],
+    is_searched: bool,
+    pub(super) offset: Angle,
+    is_turned: bool,
+    encoder: u32,
+}
+
+impl SensorSettings {
+    /// As the axis has them.
+    pub(super) const NONE: Self = Self {
+        hall: ServoSettings::NONE.hall,
+        is_searched: false,
+        offset: Angle::ZERO,
+        is_turned: false,
+        encoder: 0,
+    };
+}
+
+impl From<&ServoSettings> for SensorSettings {
+    fn from(settings: &ServoSettings) -> Self {
+        Self {
+            hall: settings.hall,
+            is_searched: settings.is_searched,
+            offset: Angle::from_bits(u32::from(settings.offset) << 16),
+            is_turned: settings.is_turned,
+            encoder: settings.encoder,
+        }
+    }
+}
 
 /// See the module.
 #[derive(Clone, Debug)]
@@ -99,23 +133,36 @@ fn known(order: [u8; 6], word: u8) -> u8 {
     found.map_or(0, |(_, known)| known)
 }
 
-impl Loops {
-    /// What the sensors beside the encoder mean, and whether they count.
-    pub(super) fn set_up_sensor(&mut self, settings: &ServoSettings) {
-        let told = |settings: &ServoSettings| (settings.hall, settings.is_searched);
-        if told(settings) == told(&self.settings) {
-            return;
+impl Current {
+    /// What the encoder and the sensors beside it mean, while there is no power; so many counts of the encoder are a turn.
+    pub(super) fn set_sensors(&mut self, settings: SensorSettings, counts: u32) {
+        let before = core::mem::replace(&mut self.settings, settings);
+        let encoder = &mut self.interrupt.encoder;
+        if settings.is_turned != before.is_turned {
+            encoder.turn(settings.is_turned);
         }
-        (self.settings.hall, self.settings.is_searched) = told(settings);
-        self.sensor.restart();
-        if !matches!(self.sensor, Sensor::None) {
-            let current = self.motor.rated_current;
-            let search = Commutation::new(&self.motor, current, self.data.stage.period).ok();
+        if settings.encoder != before.encoder {
+            encoder.set_counts(counts);
+        }
+        if settings.offset != before.offset {
+            let change = settings.offset.minus(before.offset);
+            encoder.set_angle(encoder.angle().plus(change));
+            self.stand_still();
+        }
+        let told = |settings: &SensorSettings| (settings.hall, settings.is_searched);
+        let is_told_anew = told(&settings) != told(&before);
+        if settings.is_turned != before.is_turned {
+            self.sensor.turn();
+        } else if is_told_anew || settings.encoder != before.encoder {
+            self.sensor.restart();
+        }
+        if is_told_anew && !matches!(self.sensor, Sensor::None) {
+            let search = Commutation::new(&self.motor, self.motor.rated_current, self.period).ok();
             self.search = search.filter(|_| settings.is_searched);
         }
     }
 
-    /// Positions in a turn, once an absolute encoder has told where in it the rotor is: [`Loops::position`] counts from its zero. 0 before, and with any
+    /// Positions in a turn, once an absolute encoder has told where in it the rotor is: [`Current::position`] counts from its zero. 0 before, and with any
     /// other encoder, which counts from where it began.
     pub fn absolute_turn(&self) -> u32 {
         match &self.sensor {
@@ -124,7 +171,7 @@ impl Loops {
         }
     }
 
-    /// What the Hall sensors A, B and C say in bits 0 to 2, before each [`Loops::period`] with [`Feedback::Hall`]. While there is power it is a fault that
+    /// What the Hall sensors A, B and C say in bits 0 to 2, before each [`Current::period`] with [`Feedback::Hall`]. While there is power it is a fault that
     /// they all say the same, or another angle than the encoder.
     pub fn hall(&mut self, word: u8) {
         let Sensor::Hall(sensor) = &mut self.sensor else {
@@ -134,7 +181,7 @@ impl Loops {
             return;
         }
         let word = known(self.settings.hall, word);
-        let offset = Angle::from_bits(u32::from(self.settings.offset) << 16);
+        let offset = self.settings.offset;
         let encoder = &mut self.interrupt.encoder;
         let before = encoder.angle();
         match sensor.look(word, before.minus(offset)) {
@@ -145,12 +192,12 @@ impl Loops {
                 self.interrupt.observer.shift(angle.minus(before));
             }
             // What is measured may have other pole pairs, or turn the other way.
-            Err(fault) if self.is_on && !self.is_measured() => self.fail(fault.into()),
+            Err(fault) if self.is_on && self.work != Work::Measurement => self.fail(fault.into()),
             Err(_) => {}
         }
     }
 
-    /// The word of the absolute encoder, before each [`Loops::period`] with [`Feedback::Absolute`]; `None` where the line is broken or its check fails.
+    /// The word of the absolute encoder, before each [`Current::period`] with [`Feedback::Absolute`]; `None` where the line is broken or its check fails.
     /// Returns what takes the place of the timer in [`Counts`](servo::interrupt::Counts); the position is the angle within the turn at the first word, and
     /// goes on from there. While there is power it is a fault that there is no word, or one further away than the rotor can have come.
     pub fn word(&mut self, word: Option<u32>) -> u16 {
@@ -193,11 +240,10 @@ impl Loops {
             } else {
                 told
             };
-            let offset = Angle::from_bits(u32::from(self.settings.offset) << 16);
             let encoder = &mut self.interrupt.encoder;
             encoder.look(timer);
-            encoder.set_angle(angle.plus(offset));
-            self.interrupt.observer.stand_at(encoder.angle());
+            encoder.set_angle(angle.plus(self.settings.offset));
+            self.stand_still();
         }
         timer
     }

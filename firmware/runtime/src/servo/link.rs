@@ -1,7 +1,7 @@
-//! What the tasks of a board copy from one to the other.
+//! What the loops and the tasks of a board copy from one to the other.
 //!
-//! The current interrupt stands above all of them and waits for nobody: where it finds a part locked, it goes on by what it has copied before. Each part has one task
-//! beside the interrupt, which never finds it locked.
+//! The interrupt of the loops stands above all of these tasks and waits for nobody: where it finds a part locked, it goes on by what it has copied before. Each part has one task
+//! beside that interrupt, which never finds it locked.
 
 use core::sync::atomic::{AtomicBool, AtomicU16, Ordering};
 
@@ -30,7 +30,7 @@ struct SetUp {
     settings: ServoSettings,
     /// Taken once.
     request: Option<Request>,
-    /// The interrupt has not seen it yet.
+    /// The loops have not seen it yet.
     is_new: bool,
 }
 
@@ -154,7 +154,7 @@ impl Link {
         f();
     }
 
-    /// For the interrupt, as all that follows. Nothing is copied that is not asked for: that takes a part of its time.
+    /// For the loops, as all that follows. Nothing is copied that is not asked for: that takes a part of its time.
     #[inline]
     pub(super) fn take_orders(&self, take: impl FnOnce(&Orders)) {
         if let Some(orders) = self.orders.try_lock() {

@@ -1,17 +1,20 @@
-//! The measurement of the motor, and what a master sets while the loops run.
+//! The measurement of the motor, and what a master sets while the loops run: the part of it that the loops have. What is measured in each period is part of
+//! the current interrupt.
 
 use cia402::ServoGoal;
 use cia402::loops::{Found, Request, ServoSettings};
 use servo::Angle;
 use servo::cascade::Gains;
 use servo::control::Fault;
-use servo::interrupt::Counts;
-use servo::modulation::Widths;
 use servo::motor::Implausible;
-use servo::tuning::{Chirp, Failure, Measured, Seen, Setup, Step, Tuning};
+use servo::tuning::{Chirp, Failure, Measured, Setup, Tuning};
 
-use super::Loops;
-use super::settings::{LoopSettings as _, StepperLoops as _, config, derating, loops, modulation};
+use super::current::{CurrentLock, CurrentState, Work as CurrentWork};
+use super::feedback::SensorSettings;
+use super::loops::Loops;
+use super::settings::{
+    LoopSettings as _, StepperLoops as _, config, control, current_loop, derating, modulation,
+};
 
 /// The bandwidth of the velocity loop for which a measurement proposes gains, if none is wanted, in 1/s: loops of 4 kHz leave room for it.
 const BANDWIDTH: f32 = 600.0;
@@ -73,8 +76,6 @@ enum Wish {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Measurement {
     work: Work,
-    /// While it runs.
-    tuning: Option<Tuning>,
     found: Found,
     /// 20C0h:4.
     bandwidth: u16,
@@ -85,7 +86,7 @@ pub(super) struct Measurement {
 
 impl Loops {
     /// Sets up the loops; the motor that they go by while there is no power. Returns whether all of it is taken over.
-    pub fn set_up(&mut self, settings: &ServoSettings) -> bool {
+    pub fn set_up(&mut self, current: &mut impl CurrentLock, settings: &ServoSettings) -> bool {
         if *settings == self.settings {
             return true;
         }
@@ -100,30 +101,8 @@ impl Loops {
             stepper: self.settings.stepper,
             ..*settings
         };
-        if self.settings.is_barred && !settings.is_barred {
-            self.begin_anew();
-        }
         if gains != self.settings {
-            if gains.filters != self.settings.filters {
-                let (low_pass, notch) = gains.filters(&self.data);
-                self.control.set_filters(low_pass, notch);
-            }
-            self.settings = gains;
-            // What is no gain was refused by its limits.
-            let _ = self.control.set_gains(gains.gains(&self.data));
-            let own = config(&self.data).share;
-            let share = gains.share().unwrap_or(own);
-            let _ = self.interrupt.current.set_share(share);
-            let learning = match gains.learning {
-                0 => config(&self.data).learning,
-                learning => f32::from(learning) * 1e-3,
-            };
-            let _ = self.interrupt.current.set_learning(learning);
-            if gains.share_along > 0 {
-                let along = f32::from(gains.share_along) * 1e-3;
-                let _ = self.interrupt.current.set_share_along(along);
-            }
-            let _ = self.control.set_blocked(gains.blocked());
+            self.set_up_gains(current, &gains);
         }
         let is_stepper = settings.stepper.mode != 0 && self.settings.stepper.mode != 0;
         let is_at_once = settings.stepper.is_at_once;
@@ -140,54 +119,75 @@ impl Loops {
             }
         }
         if !self.is_on {
-            self.set_up_encoder(settings);
-            self.set_up_sensor(settings);
-        }
-        let motor = |settings: &ServoSettings| (settings.motor, settings.pole_pairs);
-        if motor(settings) != motor(&self.settings) && !self.is_on {
-            self.settings = *settings;
-            let (motor, _) = settings.motor(&self.data);
-            // A motor that cannot be is none: the one before stays.
-            if let Ok((current, mut control)) = loops(&self.data, &motor, settings) {
-                control.take_heat(&self.control);
-                self.interrupt.current = current;
-                self.control = control;
-                self.motor = motor;
-                self.interrupt.encoder.set_pole_pairs(motor.pole_pairs);
-                self.sensor.restart();
-            }
+            self.set_up_motor(current, settings);
         }
         self.settings == *settings
     }
 
-    /// Where the magnet is, and which way the encoder counts.
-    fn set_up_encoder(&mut self, settings: &ServoSettings) {
-        let change = settings.offset.wrapping_sub(self.settings.offset);
-        if change != 0 {
-            let encoder = &mut self.interrupt.encoder;
-            let change = Angle::from_bits(u32::from(change) << 16);
-            encoder.set_angle(encoder.angle().plus(change));
-            self.interrupt.observer.stand_at(encoder.angle());
+    /// What changes without a bump.
+    fn set_up_gains(&mut self, current: &mut impl CurrentLock, gains: &ServoSettings) {
+        let before = core::mem::replace(&mut self.settings, *gains);
+        if gains.filters != before.filters {
+            let (low_pass, notch) = gains.filters(&self.data);
+            self.control.set_filters(low_pass, notch);
         }
-        if settings.is_turned != self.settings.is_turned {
-            self.interrupt.encoder.turn(settings.is_turned);
-            self.sensor.turn();
+        // What is no gain was refused by its limits.
+        let _ = self.control.set_gains(gains.gains(&self.data));
+        let _ = self.control.set_blocked(gains.blocked());
+        let own = config(&self.data);
+        let share = gains.share().unwrap_or(own.share);
+        let learning = match gains.learning {
+            0 => own.learning,
+            learning => f32::from(learning) * 1e-3,
+        };
+        let along = f32::from(gains.share_along) * 1e-3;
+        current.lock(|current| {
+            let current = &mut current.interrupt.current;
+            let _ = current.set_share(share);
+            let _ = current.set_learning(learning);
+            if gains.share_along > 0 {
+                let _ = current.set_share_along(along);
+            }
+        });
+        if gains.is_barred != before.is_barred {
+            self.end_measurement(current, Ending::PowerOff);
+            self.switch(current);
         }
-        (self.settings.offset, self.settings.is_turned) = (settings.offset, settings.is_turned);
-        if settings.encoder != self.settings.encoder {
-            self.settings.encoder = settings.encoder;
-            let counts = self.data.encoder_counts(settings.encoder);
-            self.interrupt.encoder.set_counts(counts);
-            self.sensor.restart();
+    }
+
+    /// Where the magnet is, what the sensors mean, and the motor that all of it goes by: while there is no power.
+    fn set_up_motor(&mut self, current: &mut impl CurrentLock, settings: &ServoSettings) {
+        let counts = self.data.encoder_counts(settings.encoder);
+        let sensors = SensorSettings::from(settings);
+        if sensors != SensorSettings::from(&self.settings) {
+            current.lock(|current| current.set_sensors(sensors, counts));
+        }
+        let own = |settings: &ServoSettings| (settings.motor, settings.pole_pairs);
+        let is_other = own(settings) != own(&self.settings);
+        self.settings = *settings;
+        if !is_other {
+            return;
+        }
+        let (motor, _) = settings.motor(&self.data);
+        // A motor that cannot be is none: the one before stays.
+        if let Ok(current_loop) = current_loop(&self.data, &motor, settings)
+            && let Ok(mut control) = control(&self.data, &motor, settings)
+        {
+            control.take_heat(&self.control);
+            self.control = control;
+            self.motor = motor;
+            current.lock(|current| current.set_motor(&motor, current_loop));
         }
     }
 
     /// Begins a measurement, or ends it.
-    pub fn request(&mut self, request: Request) {
-        self.end_measurement(Ending::Demand);
+    pub fn request(&mut self, current: &mut impl CurrentLock, request: Request) {
+        self.end_measurement(current, Ending::Demand);
         let begun = match request {
             Request::End => return,
-            _ if !self.is_on || self.fault.is_some() => Err(Implausible),
+            _ if !self.is_on || current.lock(|current| current.fault().is_some()) => {
+                Err(Implausible)
+            }
             Request::Motor {
                 current,
                 distance,
@@ -254,10 +254,13 @@ impl Loops {
     }
 
     /// Ends it if there is one.
-    pub(super) fn end_measurement(&mut self, ending: Ending) {
+    pub(super) fn end_measurement(&mut self, current: &mut impl CurrentLock, ending: Ending) {
         match self.measurement.work {
             Work::Nothing | Work::Ended => return,
-            Work::Runs => self.begin_anew(),
+            Work::Runs => {
+                self.control.start();
+                current.lock(|current| current.take_measured());
+            }
             Work::Excites => self.end_excitation(),
             Work::Waits(_) => {}
         }
@@ -278,7 +281,6 @@ impl Loops {
             Err(ending) => (7, ending as u8),
         };
         self.measurement.work = Work::Ended;
-        self.measurement.tuning = None;
     }
 
     /// Whether the measurement has the motor.
@@ -292,42 +294,40 @@ impl Loops {
         !matches!(self.measurement.work, Work::Nothing | Work::Ended)
     }
 
-    /// Whether it has the motor, at the beginning of a period: it takes the motor as soon as the axis has let it go.
+    /// Takes the motor as soon as the axis has let it go, and sees what has become of that.
     #[inline(never)]
-    pub(super) fn measures(&mut self) -> bool {
+    pub(super) fn attend_measurement(
+        &mut self,
+        current: &mut impl CurrentLock,
+        state: &CurrentState,
+        temperature: f32,
+    ) {
         let is_free = self
             .order
             .is_some_and(|order| order.goal == ServoGoal::Free);
+        let runs = state.work == CurrentWork::Loops;
         match &self.measurement.work {
-            Work::Waits(wish) if is_free => {
+            Work::Waits(wish) if is_free && runs => {
                 let wish = *wish;
-                self.measurement.begin = self.position();
-                self.begin(wish)
+                self.measurement.begin = state.seen.position;
+                self.begin(current, wish);
             }
-            Work::Runs if is_free => true,
-            Work::Runs => {
-                self.end_measurement(Ending::Demand);
-                false
-            }
-            Work::Excites => {
-                self.watch_excitation(is_free);
-                false
-            }
-            _ => false,
+            Work::Runs => self.watch_measurement(current, state, is_free, temperature),
+            Work::Excites if runs => self.watch_excitation(current, state, is_free),
+            _ => {}
         }
     }
 
-    /// The axis has let the motor go. Returns whether the measurement has it from now on.
-    fn begin(&mut self, wish: Wish) -> bool {
+    /// The axis has let the motor go.
+    fn begin(&mut self, current: &mut impl CurrentLock, wish: Wish) {
         match wish {
             Wish::Motor(setup) => {
                 let Ok(tuning) = Tuning::new(setup) else {
-                    return false;
+                    return;
                 };
                 self.measurement.found = Found::default();
-                self.measurement.tuning = Some(tuning);
                 self.measurement.work = Work::Runs;
-                true
+                current.lock(|current| current.begin_measurement(tuning));
             }
             Wish::Chirp(chirp) => {
                 let soft = Gains::from_bandwidth(SOFT * self.settings.gains(&self.data).velocity);
@@ -335,55 +335,54 @@ impl Loops {
                 self.control.excite(Some(chirp));
                 self.measurement.found.state = 5;
                 self.measurement.work = Work::Excites;
-                false
             }
         }
     }
 
-    fn watch_excitation(&mut self, is_free: bool) {
-        let away = self.position().abs_diff(self.measurement.begin);
+    fn watch_measurement(
+        &mut self,
+        current: &mut impl CurrentLock,
+        state: &CurrentState,
+        is_free: bool,
+        temperature: f32,
+    ) {
+        self.measurement.found.state = 2 + state.stage.min(2);
+        if state.is_measured {
+            self.control.start();
+            let ending = match current.lock(|current| current.take_measured()) {
+                Some(Ok(measured)) => {
+                    self.found_all(&measured);
+                    Ok(())
+                }
+                Some(Err(failure)) => Err(failure.into()),
+                None => return,
+            };
+            self.end_as(ending);
+        } else if state.work != CurrentWork::Measurement {
+            // It ended by a fault, which is told until the power goes.
+        } else if derating().is_none_or(|derating| derating.share(temperature) <= 0.0) {
+            self.control.fail(Fault::Temperature);
+            self.end_as(Err(Ending::PowerOff));
+        } else if !is_free {
+            self.end_measurement(current, Ending::Demand);
+        }
+    }
+
+    fn watch_excitation(
+        &mut self,
+        current: &mut impl CurrentLock,
+        state: &CurrentState,
+        is_free: bool,
+    ) {
+        let away = state.seen.position.abs_diff(self.measurement.begin);
         if !is_free {
-            self.end_measurement(Ending::Demand);
+            self.end_measurement(current, Ending::Demand);
         } else if away > self.measurement.distance {
-            self.end_measurement(Ending::TooFar);
+            self.end_measurement(current, Ending::TooFar);
         } else if !self.control.is_excited() {
             self.end_excitation();
             self.end_as(Ok(()));
         }
-    }
-
-    /// A period of it.
-    pub(super) fn measure(&mut self, counts: &Counts, hot: i16) -> Option<Widths> {
-        let bus = self.bus(counts);
-        self.look(counts);
-        let tuning = self.measurement.tuning.as_mut()?;
-        let is_hot = derating().is_none_or(|derating| derating.share(f32::from(hot) / 10.0) <= 0.0);
-        let step = tuning.run(&Seen {
-            currents: self.interrupt.sense.amperes(counts.currents),
-            bus,
-            timer: counts.timer,
-        });
-        self.measurement.found.state = 2 + tuning.stage().min(2);
-        match step {
-            Step::Widths(widths) if !is_hot => return Some(widths),
-            Step::Widths(_) => {
-                self.control.fail(Fault::Temperature);
-                self.end_as(Err(Ending::PowerOff));
-            }
-            Step::Done(measured) => {
-                self.begin_anew();
-                self.found_all(&measured);
-                self.end_as(Ok(()));
-            }
-            Step::Failed(failure) => {
-                self.begin_anew();
-                if let Failure::Tripped(trip) = failure {
-                    self.control.fail(trip.into());
-                }
-                self.end_as(Err(failure.into()));
-            }
-        }
-        None
     }
 
     fn found_all(&mut self, measured: &Measured) {

@@ -1,4 +1,4 @@
-//! What the loops report beside the actual values, for the module of a product. The current interrupt of a board publishes floats as it has them,
+//! What the loops report beside the actual values, for the module of a product. The interrupt of the loops of a board publishes floats as it has them,
 //! as it has little time; whole numbers with units are made of them where they are read.
 
 use cia402::loops::{Found, LoopReport, ServoSettings};
@@ -6,7 +6,7 @@ use servo::transform::Rotor;
 use servo::{Angle, Motor};
 
 use super::data::ServoData;
-use super::hundredths;
+use super::loops::hundredths;
 use super::settings::{LoopSettings as _, config};
 
 /// See the module.

@@ -133,20 +133,29 @@ pub(super) fn derating() -> Option<Derating> {
     Derating::new(80.0, 100.0).ok()
 }
 
-/// The loops for a motor.
-pub(super) fn loops(
+/// The current loop for a motor.
+pub(super) fn current_loop(
     data: &ServoData,
     motor: &Motor,
     settings: &ServoSettings,
-) -> Result<(CurrentLoop, Control), Implausible> {
-    let voltage = data.stage.voltage;
+) -> Result<CurrentLoop, Implausible> {
     let own = config(data);
-    let current = CurrentConfig {
+    let config = CurrentConfig {
         share: settings.share().unwrap_or(own.share),
         ..own
     };
+    CurrentLoop::new(motor, config, modulation(data)?)
+}
+
+/// The loops above it.
+pub(super) fn control(
+    data: &ServoData,
+    motor: &Motor,
+    settings: &ServoSettings,
+) -> Result<Control, Implausible> {
+    let voltage = data.stage.voltage;
     let (_, friction) = settings.motor(data);
-    let control = ControlConfig {
+    let config = ControlConfig {
         period: data.control_period(),
         gains: settings.gains(data),
         friction: friction / motor.torque_constant(),
@@ -157,13 +166,10 @@ pub(super) fn loops(
         blocked: settings.blocked(),
         max_speed: data.max_speed() * 1.2,
     };
-    let mut control = Control::new(motor, control)?;
+    let mut control = Control::new(motor, config)?;
     // What cannot be leaves the loops.
     let _ = control.set_stepper(settings.stepper.config(data, motor));
     let (low_pass, notch) = settings.filters(data);
     control.set_filters(low_pass, notch);
-    Ok((
-        CurrentLoop::new(motor, current, modulation(data)?)?,
-        control,
-    ))
+    Ok(control)
 }

@@ -3,8 +3,13 @@
 extern crate std;
 
 use super::*;
-use cia402::{ServoGoal, ServoPort};
+use cia402::{ServoGoal, ServoOrder, ServoPort, ServoReport};
 use motion::{PulseSink, Record, SignedSpeed, Speed};
+use servo::control::Fault;
+use servo::feedback::Commutation;
+use servo::interrupt::Counts;
+use servo::modulation::Widths;
+use servo::{Angle, Motor, Wiring};
 use std::boxed::Box;
 
 /// That of the plant's axis, on a board with a converter of 12 bits.
@@ -58,86 +63,95 @@ fn held(torque: i32) -> ServoOrder {
     }
 }
 
-fn linked(magnet: Option<Angle>) -> (Current, Port, &'static Link) {
+/// Both interrupts of a board, one behind the other.
+struct Board {
+    current: Current,
+    linked: LinkedLoops,
+}
+
+fn linked(magnet: Option<Angle>) -> (Board, Port, &'static Link) {
     let link: &'static Link = Box::leak(Box::new(Link::new()));
-    let loops = Loops::new(&DATA, 0, magnet).unwrap();
-    (
-        Current::new(loops, link, 84_000_000),
-        Port::new(link, 0, 0),
-        link,
-    )
+    let board = Board {
+        current: Current::new(&DATA, 0, magnet).unwrap(),
+        linked: LinkedLoops::new(Loops::new(&DATA).unwrap(), link, 84_000_000),
+    };
+    (board, Port::new(link, 0, 0), link)
 }
 
 /// So many periods; the widths of the last.
-fn run(current: &mut Current, periods: u32, counts: &Counts) -> Option<Widths> {
+fn run(board: &mut Board, periods: u32, counts: &Counts) -> Option<Widths> {
     let mut last = None;
     for _ in 0..periods {
-        let widths = current.period(counts);
-        last = current.control(counts, 0).then_some(widths).flatten();
+        last = board.current.period(counts);
+        if board.current.is_due() {
+            let state = board.linked.run(&mut board.current, 0);
+            board.linked.tell(&mut board.current, &state);
+        }
+        last = last.filter(|_| !board.current.is_off());
     }
     last
 }
 
 #[test]
 fn the_sensors_are_learnt_first_and_then_the_magnet_is_looked_for() {
-    let (mut current, _, link) = linked(None);
-    assert_eq!(run(&mut current, 100, &AT_REST), None);
+    let (mut board, _, link) = linked(None);
+    assert_eq!(run(&mut board, 100, &AT_REST), None);
     link.energise(true);
     // Taken within five periods; 256 samples with the gates off.
     let off = Counts {
         currents: [2_060, 2_048, 2_036],
         ..AT_REST
     };
-    assert_eq!(run(&mut current, 250, &off), None);
+    assert_eq!(run(&mut board, 250, &off), None);
     assert!(link.status().report.wants_free);
     // Then the field rises, from widths that are equal: the offsets are no current.
-    let widths = run(&mut current, 12, &off).unwrap();
+    let widths = run(&mut board, 12, &off).unwrap();
     assert!(widths.iter().all(|width| width.abs() < 700), "{widths:?}");
     // A rotor that is held does not follow it.
-    run(&mut current, 60_000, &off);
+    run(&mut board, 60_000, &off);
     assert_eq!(link.status().fault, Some(0x7305));
     link.energise(false);
-    run(&mut current, 10, &AT_REST);
+    run(&mut board, 10, &AT_REST);
     assert_eq!(link.status().fault, None);
 }
 
 #[test]
 fn a_sensor_far_from_its_middle_is_a_fault() {
-    let (mut current, _, link) = linked(None);
+    let (mut board, _, link) = linked(None);
     link.energise(true);
     let counts = Counts {
         currents: [2_300, 2_048, 2_048],
         ..AT_REST
     };
-    assert_eq!(run(&mut current, 300, &counts), None);
+    assert_eq!(run(&mut board, 300, &counts), None);
     assert_eq!(link.status().fault, Some(0x7300));
 }
 
 #[test]
 fn an_order_goes_over_the_link_and_a_report_comes_back() {
-    let (mut current, mut port, link) = linked(Some(Angle::ZERO));
+    let (mut board, mut port, link) = linked(Some(Angle::ZERO));
     link.energise(true);
     port.order(&held(4_000));
-    run(&mut current, 40, &AT_REST);
+    run(&mut board, 40, &AT_REST);
     let status = link.status();
     assert_eq!(status.report.demand, 4_000);
     assert_eq!(status.millivolts, 48_001);
-    assert!(run(&mut current, 1, &AT_REST).is_some());
+    assert!(run(&mut board, 1, &AT_REST).is_some());
     // What the board finds takes the current.
     link.set_stage(250, true);
-    assert_eq!(run(&mut current, 10, &AT_REST), None);
+    assert_eq!(run(&mut board, 10, &AT_REST), None);
 }
 
 #[test]
 fn who_has_locked_a_part_is_not_waited_for() {
-    let (mut current, mut port, link) = linked(Some(Angle::ZERO));
+    let (mut board, mut port, link) = linked(Some(Angle::ZERO));
     link.energise(true);
     port.order(&held(4_000));
-    run(&mut current, 10, &AT_REST);
+    run(&mut board, 10, &AT_REST);
     // The interrupt comes while the tick copies.
     link.while_locked(|| {
-        let widths = run(&mut current, 10, &AT_REST);
-        assert!(widths.is_some(), "{:?}", current.loops.fault());
+        let widths = run(&mut board, 10, &AT_REST);
+        assert!(widths.is_some(), "{:?}", board.current.fault());
     });
     assert_eq!(link.status().report.demand, 4_000);
 }
@@ -145,41 +159,41 @@ fn who_has_locked_a_part_is_not_waited_for() {
 /// It is told once, and looked at again until it is taken over.
 #[test]
 fn a_motor_that_is_set_with_the_power_on_is_taken_over_once_it_is_off() {
-    let (mut current, _, link) = linked(Some(Angle::ZERO));
+    let (mut board, _, link) = linked(Some(Angle::ZERO));
     link.energise(true);
-    run(&mut current, 10, &AT_REST);
+    run(&mut board, 10, &AT_REST);
     let settings = ServoSettings {
         motor: [700_000, 0, 0, 0, 0, 0],
         ..ServoSettings::NONE
     };
     link.set_up(settings, None);
-    run(&mut current, 10, &AT_REST);
-    assert_eq!(current.loops.motor().resistance, 0.6);
+    run(&mut board, 10, &AT_REST);
+    assert_eq!(board.linked.loops.motor().resistance, 0.6);
     link.energise(false);
-    run(&mut current, 10, &AT_REST);
-    assert!((current.loops.motor().resistance - 0.7).abs() < 1e-6);
+    run(&mut board, 10, &AT_REST);
+    assert!((board.linked.loops.motor().resistance - 0.7).abs() < 1e-6);
 }
 
 #[test]
 fn what_a_measurement_has_found_is_told_also_if_it_ends_at_once() {
-    let (mut current, _, link) = linked(Some(Angle::ZERO));
-    run(&mut current, 10, &AT_REST);
+    let (mut board, _, link) = linked(Some(Angle::ZERO));
+    run(&mut board, 10, &AT_REST);
     let request = Request::Motor {
         current: 500,
         distance: 500,
         bandwidth: 0,
     };
     link.set_up(ServoSettings::NONE, Some(request));
-    run(&mut current, 10, &AT_REST);
+    run(&mut board, 10, &AT_REST);
     let found = link.found();
     assert_eq!((found.state, found.failure), (7, 8), "no power");
     link.energise(true);
-    run(&mut current, 10, &AT_REST);
+    run(&mut board, 10, &AT_REST);
     link.set_up(ServoSettings::NONE, Some(request));
-    run(&mut current, 10, &AT_REST);
+    run(&mut board, 10, &AT_REST);
     assert_eq!(link.found().state, 1);
     link.energise(false);
-    run(&mut current, 10, &AT_REST);
+    run(&mut board, 10, &AT_REST);
     let found = link.found();
     assert_eq!((found.state, found.failure), (7, 1), "the power went off");
 }
@@ -244,15 +258,15 @@ fn an_edge_is_where_the_timer_was_on_an_encoder_with_other_counts() {
 /// What a product asks for comes over the link as the loops tell it, once somebody asks.
 #[test]
 fn the_report_of_the_loops_is_published_once_it_was_asked_for() {
-    let (mut current, mut port, link) = linked(Some(Angle::QUARTER));
+    let (mut board, mut port, link) = linked(Some(Angle::QUARTER));
     link.energise(true);
     port.order(&held(4_000));
-    run(&mut current, 40, &AT_REST);
+    run(&mut board, 40, &AT_REST);
     assert!(!link.loop_report(&DATA).is_on, "nobody has asked before");
-    run(&mut current, 10, &AT_REST);
+    run(&mut board, 10, &AT_REST);
     let report = link.loop_report(&DATA);
     assert!(report.is_on);
-    assert_eq!(report, current.loops.loop_report());
+    assert_eq!(report, board.linked.loops.loop_report(&mut board.current));
     assert_eq!((report.counts_of_turn, report.pole_pairs), (10_000, 4));
     assert_eq!(report.rated_current, 4_000);
     let settings = ServoSettings {
@@ -261,7 +275,106 @@ fn the_report_of_the_loops_is_published_once_it_was_asked_for() {
     };
     link.energise(false);
     link.set_up(settings, None);
-    run(&mut current, 10, &AT_REST);
+    run(&mut board, 10, &AT_REST);
     let report = link.loop_report(&DATA);
     assert_eq!((report.pole_pairs, report.own_pole_pairs), (7, 4));
+}
+
+/// A host that counts how often the loops come to what the current interrupt has.
+struct Counted<'a> {
+    current: &'a mut Current,
+    locks: usize,
+}
+
+impl CurrentLock for Counted<'_> {
+    fn lock<R>(&mut self, f: impl FnOnce(&mut Current) -> R) -> R {
+        self.locks += 1;
+        f(self.current)
+    }
+}
+
+#[test]
+fn the_loops_are_due_in_one_of_five_periods_and_what_they_want_acts_from_the_next_one_on() {
+    let (mut board, _, _) = linked(Some(Angle::ZERO));
+    let mut loops = Loops::new(&DATA).unwrap();
+    loops.energise(&mut board.current, true);
+    loops.take(Some(held(4_000)));
+    for period in 0..20 {
+        assert!(board.current.period(&AT_REST).is_some());
+        assert_eq!(board.current.is_due(), period % 5 == 0);
+        assert_eq!(board.current.demand().q > 0.0, period > 0);
+        if board.current.is_due() {
+            let mut counted = Counted {
+                current: &mut board.current,
+                locks: 0,
+            };
+            loops.run(&mut counted, 0.0, 0, 250);
+            assert_eq!(counted.locks, 2, "a copy up and one down");
+        }
+    }
+}
+
+#[test]
+fn a_fault_of_the_loops_takes_the_current_before_the_next_period() {
+    let (mut board, _, _) = linked(Some(Angle::ZERO));
+    let mut loops = Loops::new(&DATA).unwrap();
+    loops.energise(&mut board.current, true);
+    assert!(board.current.period(&AT_REST).is_some());
+    loops.run(&mut board.current, 0.0, 0, 250);
+    assert!(!board.current.is_off());
+    loops.run(&mut board.current, 0.0, 0, 1_200);
+    assert!(board.current.is_off());
+    assert_eq!(board.current.fault(), Some(Fault::Temperature));
+    assert_eq!(board.current.period(&AT_REST), None);
+}
+
+#[test]
+fn a_trip_of_the_current_is_told_by_the_loops() {
+    let (mut board, _, link) = linked(Some(Angle::ZERO));
+    link.energise(true);
+    run(&mut board, 11, &AT_REST);
+    let counts = Counts {
+        bus: 4_000,
+        ..AT_REST
+    };
+    assert_eq!(run(&mut board, 1, &counts), None);
+    assert!(board.current.is_off(), "in the same period");
+    run(&mut board, 5, &AT_REST);
+    assert_eq!(link.status().fault, Some(0x3210));
+    assert_eq!(run(&mut board, 5, &AT_REST), None);
+}
+
+/// The power came while the current was barred, so the sensors were not learnt and the magnet was not looked for.
+#[test]
+fn what_comes_before_the_loops_comes_too_where_the_current_was_barred_first() {
+    let (mut board, _, link) = linked(None);
+    let barred = ServoSettings {
+        is_barred: true,
+        ..ServoSettings::NONE
+    };
+    link.set_up(barred, None);
+    link.energise(true);
+    assert_eq!(run(&mut board, 300, &AT_REST), None);
+    link.set_up(ServoSettings::NONE, None);
+    assert_eq!(run(&mut board, 250, &AT_REST), None);
+    assert!(link.status().report.wants_free, "it begins");
+    assert!(run(&mut board, 20, &AT_REST).is_some(), "a field");
+    link.set_up(barred, None);
+    run(&mut board, 5, &AT_REST);
+    assert_eq!(run(&mut board, 1, &AT_REST), None);
+}
+
+#[test]
+fn the_magnet_is_looked_for_with_the_pole_pairs_that_are_set() {
+    let (mut board, _, link) = linked(None);
+    let settings = ServoSettings {
+        pole_pairs: 7,
+        ..ServoSettings::NONE
+    };
+    link.set_up(settings, None);
+    run(&mut board, 10, &AT_REST);
+    let motor = *board.linked.loops.motor();
+    assert_eq!(motor.pole_pairs, 7);
+    let search = Commutation::new(&motor, motor.rated_current, 50e-6).ok();
+    assert_eq!(board.current.search, search);
 }

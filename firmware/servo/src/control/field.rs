@@ -2,7 +2,7 @@
 
 use super::Control;
 use crate::cascade::{Demand, Limits};
-use crate::interrupt::CurrentInterrupt;
+use crate::interrupt::Snapshot;
 use crate::number::{between, root};
 use crate::stepper::{self, StepperDemand};
 use crate::transform::Rotor;
@@ -18,10 +18,9 @@ impl Control {
     pub(super) fn lead(
         &mut self,
         demand: &Demand,
-        interrupt: &CurrentInterrupt,
+        seen: &Snapshot,
         is_new: bool,
         limits: Limits,
-        bus: f32,
     ) -> Rotor {
         let Some(stepper) = &mut self.stepper else {
             return Rotor::ZERO;
@@ -34,16 +33,16 @@ impl Control {
             is_at_rest: demand.velocity == 0.0 && demand.acceleration == 0.0,
         };
         let rotor = stepper::Rotor {
-            position: interrupt.encoder.position(),
-            angle: interrupt.encoder.angle(),
-            speed: interrupt.observer.speed(),
+            position: seen.position,
+            angle: seen.count,
+            speed: seen.speed,
         };
         if is_new {
             stepper.take_over(self.wanted, &demand, &rotor);
         }
         let max = limits.positive.max(limits.negative);
         let field = stepper.run(&demand, &rotor, max);
-        let from = interrupt.observer.angle();
+        let from = seen.angle;
         // Beside the stator it pulls back at once a rotor that swings; a rotor that runs away from it leads it, so that it is never beyond where it pulls hardest.
         let away = (demand.speed - rotor.speed).abs() * self.period * TURN_OF_RADIAN;
         let ahead = field.angle.minus(rotor.angle).turns().abs();
@@ -54,9 +53,9 @@ impl Control {
         self.is_limited = stepper.is_held_back() || q != asked.q;
         // What lies along the magnet gives way where the bus has not the voltage for it: it holds at rest, and gives no torque.
         let speed = rotor.speed.abs().max(1.0);
-        let across = q.abs().max(interrupt.current.current().q.abs());
+        let across = q.abs().max(seen.current.q.abs());
         let across = speed * self.motor.inductance_q * across;
-        let max = FOR_FIELD * bus;
+        let max = FOR_FIELD * seen.bus;
         let room = root(max * max - across * across) / speed - self.motor.flux;
         let max = between(room / self.motor.inductance_d, 0.0, 1e4);
         let d = between(asked.d, -max, max);

@@ -33,17 +33,6 @@ pub struct Order {
     pub speed: f32,
 }
 
-/// What the board sees beside the interrupt.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seen {
-    /// Of the bus, in V.
-    pub bus: f32,
-    /// Of the stage, in °C.
-    pub temperature: f32,
-    /// The sum of the currents of three phases, in A; 0 of a motor of two.
-    pub sum: f32,
-}
-
 /// What becomes of an order.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Report {

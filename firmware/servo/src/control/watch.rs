@@ -1,7 +1,7 @@
 //! What cannot go on: each period what is seen of the motor is held against what it should do.
 
-use super::{ControlConfig, Fault, Seen};
-use crate::interrupt::CurrentInterrupt;
+use super::{ControlConfig, Fault};
+use crate::interrupt::Snapshot;
 use crate::motor::{Implausible, Motor, Wiring};
 use crate::number::{between, fade, is_within, root};
 use crate::protection::{Blocked, PhaseLoss};
@@ -81,22 +81,21 @@ impl Watch {
     pub(super) fn run(
         &mut self,
         motor: &Motor,
-        interrupt: &CurrentInterrupt,
-        seen: &Seen,
+        seen: &Snapshot,
         is_fed: bool,
         pushes: bool,
         velocity: f32,
     ) -> Option<Fault> {
-        let current = interrupt.current.current();
+        let current = seen.current;
         let is_held = velocity.abs() <= self.max_speed;
         if !is_held {
             return Some(Fault::OverSpeed);
         }
-        let angle = direction(interrupt.observer.angle());
-        let asked = interrupt.current.demand();
-        let keeps = fade(interrupt.current.rate(), self.period);
+        let angle = direction(seen.angle);
+        let asked = seen.demand;
+        let keeps = fade(seen.rate, self.period);
         self.due = self.due.fading_to(asked, keeps);
-        let unknown = interrupt.current.unknown();
+        let unknown = seen.unknown;
         let [asked, carried, acts] = &[
             phases(self.due, angle, motor),
             phases(current, angle, motor),
@@ -104,7 +103,8 @@ impl Watch {
         ];
         let (share, time) = ADDED_UP;
         let rated = motor.rated_current;
-        if seen.sum.abs() <= share * rated {
+        // Of two phases the sum says nothing.
+        if motor.wiring == Wiring::TwoPhase || seen.sum.abs() <= share * rated {
             self.unequal = 0.0;
         } else {
             self.unequal += self.period;

@@ -88,7 +88,7 @@ impl Rig {
     fn stepper(data: ServoAxisData, seed: u64, stepper: StepperSettings) -> Self {
         let mut rig = Self::new(data, seed);
         rig.servo.energise(false);
-        rig.servo.loops.set_up(&ServoSettings {
+        rig.servo.set_up(&ServoSettings {
             stepper,
             ..ServoSettings::default()
         });

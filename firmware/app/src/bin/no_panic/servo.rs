@@ -1,7 +1,7 @@
 //! Everything `servo` offers, with any numbers.
 
 use ::servo::cascade::{Actual, Demand, Gains, Limits};
-use ::servo::control::{Control, ControlConfig, Goal, Order, Seen};
+use ::servo::control::{Control, ControlConfig, Goal, Order};
 use ::servo::current_loop::{CurrentConfig, Sample};
 use ::servo::feedback::commutation::Step;
 use ::servo::feedback::{absolute, hall, Absolute, Commutation, Incremental, Observer};
@@ -286,20 +286,20 @@ fn ordered(motor: &Motor, interrupt: &mut CurrentInterrupt) -> Result<(), Implau
             speed: number(),
         };
         control.order(order, number());
-        let seen = Seen {
-            bus: number(),
-            temperature: number(),
-            sum: number(),
-        };
+        let seen = interrupt.snapshot(&Counts {
+            currents: [any() as u16, any() as u16, any() as u16],
+            bus: any() as u16,
+            timer: 0,
+        });
         look(control.chops(seen.bus).into());
-        match control.run(interrupt, &seen) {
+        match control.run(&seen, number()) {
             Ok(current) => match control.field() {
                 Some((from, speed)) => interrupt.order_field(current, from, speed),
                 None => interrupt.order(current, any() as u16),
             },
             Err(fault) => look(fault as u32),
         }
-        let report = control.report(interrupt);
+        let report = control.report(&seen);
         show(report.torque + report.current + report.velocity + report.demand + report.lead);
         look((report.is_limited | report.is_hot).into());
     }

@@ -8,7 +8,8 @@ use ::servo::Implausible;
 use cia402::{Behaves, Behaviour, DriveConfig, Exchange, Inputs, Outputs};
 use motion::{PulseSink, Record};
 use runtime::servo::{
-    Current, Feedback, Link, Loops, Port, ServoData, ServoObjects, ServoSettings, StageData,
+    Current, Feedback, Link, LinkedLoops, Loops, Port, ServoData, ServoObjects, ServoSettings,
+    StageData,
 };
 use runtime::PowerStage;
 
@@ -100,7 +101,8 @@ impl PowerStage for AnyServo {
 #[inline(never)]
 pub fn loops(config: DriveConfig) -> Result<(), Implausible> {
     let magnet = (any() == 0).then(angle);
-    let mut current = Current::new(Loops::new(&data()?, any() as u16, magnet)?, &LINK, any());
+    let mut current = Current::new(&data()?, any() as u16, magnet)?;
+    let mut loops = LinkedLoops::new(Loops::new(&data()?)?, &LINK, any());
     let mut servo_objects = ServoObjects::default();
     let mut dictionary = Dictionary::new();
     let mut product = Product::<Dictionary>::new();
@@ -116,8 +118,8 @@ pub fn loops(config: DriveConfig) -> Result<(), Implausible> {
     while any() != 0 {
         match any() {
             0 => {
-                current.loops().hall(any() as u8);
-                look(current.loops().word((any() == 0).then(any)).into());
+                current.hall(any() as u8);
+                look(current.word((any() == 0).then(any)).into());
                 let counts = Counts {
                     currents: sensors::three_of_two(any() as u16, any() as u16, any() as u16),
                     bus: any() as u16,
@@ -132,9 +134,11 @@ pub fn loops(config: DriveConfig) -> Result<(), Implausible> {
                         .into_iter()
                         .for_each(|value| look(value.into()));
                 }
-                look(current.control(&counts, any()).into());
-                let values =
-                    counter.chopper(current.chopping(&counts).unwrap_or(0.0), any() as u16);
+                look((current.is_due() ^ current.is_off()).into());
+                let state = loops.run(&mut current, any());
+                let values = counter.chopper(loops.chopping(&state), any() as u16);
+                current.index(any() as u16);
+                loops.tell(&mut current, &state);
                 values.into_iter().for_each(|value| look(value.into()));
             }
             1 => {

@@ -46,7 +46,7 @@ use super::servo_stage::{self, converters, encoder, lines, orders, stage};
 use super::{user_memory, Board, Parts};
 use crate::stepping::SharedEmitter;
 pub use motor::{three_currents, CHANNELS, DATA};
-pub use pwm::{cut, Bridges};
+pub use pwm::{cut, Brake, Bridges, TOP};
 pub use servo_stage::pwm::{
     are_outputs_on as has_power, outputs_off as gates_off, outputs_on as gates_on,
 };
@@ -58,6 +58,7 @@ app! {
     edge: [edge: EXTI9_5],
     trip: [trip: EXTI2],
     current: [current: ADC],
+    loops: [loops: TIM7],
     can: [received: CAN1_RX0, sent: CAN1_TX, error: CAN1_SCE],
     refill: [refill: TIM4],
     wake: [wake: TIM5],
@@ -188,8 +189,9 @@ impl Board for Odrive36 {
             (b.pb10.into_alternate().speed(Speed::High)).internal_resistor(Pull::Down),
             (b.pb11.into_alternate().speed(Speed::High)).internal_resistor(Pull::Down),
         );
-        let (orders, servo_objects) = servo_stage::start(converters, || {
-            Bridges::new(device.TIM1, device.TIM2, &mut rcc)
+        let brake_resistor = Brake::new(device.TIM2, &mut rcc);
+        let (orders, servo_objects) = servo_stage::start(converters, brake_resistor, || {
+            Bridges::new(device.TIM1, &mut rcc)
         });
 
         let can_pins = (
@@ -238,6 +240,10 @@ impl Board for Odrive36 {
 
     fn on_current() {
         servo_stage::on_current();
+    }
+
+    fn on_loops() {
+        servo_stage::on_loops();
     }
 
     fn trip() {

@@ -10,7 +10,7 @@ use servo::{Motor, Wiring};
 use super::pwm;
 use crate::board::chip::CORE_HZ;
 use crate::board::servo_stage::converters::Channels;
-use crate::board::servo_stage::pwm::PERIOD;
+use crate::board::servo_stage::pwm::{CONTROL, PERIOD};
 
 /// Gain of the amplifiers behind the shunts: ±41 A, of which the trip is 24 A.
 const GAIN: Gain = Gain::Eighty;
@@ -21,6 +21,9 @@ const SHUNT: f32 = 500e-6;
 /// The count without a current, and how far from it an amplifier may be.
 const MIDDLE: u16 = 2_048;
 const SPREAD: u16 = 200;
+
+/// Clocks of a period that are left for the currents to be seen at the lower switches: 2.5 µs.
+const SEEN: f32 = 420.0;
 
 /// Volts of a count of the converters.
 const COUNT: f32 = 3.3 / 4_096.0;
@@ -55,12 +58,11 @@ pub const DATA: ServoData = ServoData {
     encoder: 0,
     stage: StageData {
         period: PERIOD / CORE_HZ as f32,
-        control: 5,
+        control: CONTROL,
         voltage: 48.0,
         dead_time: pwm::DEAD as f32 / PERIOD,
-        ripple: 0.3,
-        // 5 % of the period, 2.5 µs, are left for the currents to be seen at the lower switches.
-        reach: 0.9,
+        ripple: 0.3 * PERIOD / 8_400.0,
+        reach: 1.0 - 2.0 * SEEN / PERIOD,
         current: COUNT / GAIN.factor() / SHUNT,
         middle: (MIDDLE, SPREAD),
         bus: COUNT * DIVIDER,

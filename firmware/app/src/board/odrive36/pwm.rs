@@ -5,8 +5,15 @@ use servo::stage::Counter;
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
-use crate::board::servo_stage::pwm::{bits, Motor, Settings, COUNTER, TOP};
+use crate::board::servo_stage::pwm::{bits, Motor, Settings, COUNTER};
 use crate::board::servo_stage::{self, pwm};
+
+/// Half a period of the motor's.
+pub const TOP: u16 = if cfg!(feature = "pwm-40khz") {
+    2_100
+} else {
+    4_200
+};
 
 /// Clocks between the switches of a half bridge: 0.12 µs, as the firmware of its maker has it; the gate driver adds 0.05 µs.
 pub const DEAD: u8 = 20;
@@ -33,35 +40,16 @@ const SETTINGS: Settings = Settings {
 /// CCER of TIM2: channels 3 and 4.
 const BRAKE_OUTPUTS: u32 = 0x1100;
 
-/// Both timers. The interrupt of the currents has them.
+/// TIM1. The interrupt of the currents has it.
 pub struct Bridges {
     motor: Motor,
-    brake: pac::TIM2,
 }
 
 impl Bridges {
-    /// Both run, with all switches off.
-    pub fn new(motor: pac::TIM1, brake: pac::TIM2, rcc: &mut Rcc) -> Self {
-        pac::TIM2::enable(rcc);
-        pac::TIM2::reset(rcc);
-        // SAFETY: bits and values of these registers; the values are those with both switches off.
-        unsafe {
-            brake
-                .ccmr2_output()
-                .write(|w| w.bits(bits::BELOW | ABOVE << 8));
-            brake.arr().write(|w| w.bits(BRAKE_TOP.into()));
-            let [lower, upper] = BRAKE.chopper(0.0, BRAKE_DEAD);
-            brake.ccr3().write(|w| w.bits(lower.into()));
-            brake.ccr4().write(|w| w.bits(upper.into()));
-            let cr1 = bits::URS | bits::UP_AND_DOWN | bits::ARPE;
-            brake.cr1().write(|w| w.bits(cr1));
-            brake.egr().write(|w| w.bits(bits::UG));
-            brake.ccer().write(|w| w.bits(BRAKE_OUTPUTS));
-            brake.cr1().write(|w| w.bits(cr1 | bits::CEN));
-        }
+    /// It runs, with all switches off.
+    pub fn new(motor: pac::TIM1, rcc: &mut Rcc) -> Self {
         Self {
             motor: Motor::new(motor, &SETTINGS, rcc),
-            brake,
         }
     }
 }
@@ -83,17 +71,48 @@ impl servo_stage::Bridges for Bridges {
     fn off(&mut self) {
         self.motor.off();
     }
+}
 
+/// TIM2. The interrupt of the loops has it.
+pub struct Brake {
+    timer: pac::TIM2,
+}
+
+impl Brake {
+    /// It runs, with both switches off.
+    pub fn new(timer: pac::TIM2, rcc: &mut Rcc) -> Self {
+        pac::TIM2::enable(rcc);
+        pac::TIM2::reset(rcc);
+        // SAFETY: bits and values of these registers; the values are those with both switches off.
+        unsafe {
+            timer
+                .ccmr2_output()
+                .write(|w| w.bits(bits::BELOW | ABOVE << 8));
+            timer.arr().write(|w| w.bits(BRAKE_TOP.into()));
+            let [lower, upper] = BRAKE.chopper(0.0, BRAKE_DEAD);
+            timer.ccr3().write(|w| w.bits(lower.into()));
+            timer.ccr4().write(|w| w.bits(upper.into()));
+            let cr1 = bits::URS | bits::UP_AND_DOWN | bits::ARPE;
+            timer.cr1().write(|w| w.bits(cr1));
+            timer.egr().write(|w| w.bits(bits::UG));
+            timer.ccer().write(|w| w.bits(BRAKE_OUTPUTS));
+            timer.cr1().write(|w| w.bits(cr1 | bits::CEN));
+        }
+        Self { timer }
+    }
+}
+
+impl servo_stage::Brake for Brake {
     fn burn(&mut self, share: f32) {
         let [lower, upper] = BRAKE.chopper(share, BRAKE_DEAD);
         // SAFETY: compare values up to one beyond the top. Both are taken over at the same end of the counter, unless that comes between them: then one switch has the time of
         // before for half a period. Written off first, that is never both.
         unsafe {
             let off = u32::from(BRAKE_TOP) + 1;
-            if self.brake.ccr4().read().bits() != u32::from(upper) {
-                self.brake.ccr4().write(|w| w.bits(off));
-                self.brake.ccr3().write(|w| w.bits(lower.into()));
-                self.brake.ccr4().write(|w| w.bits(upper.into()));
+            if self.timer.ccr4().read().bits() != u32::from(upper) {
+                self.timer.ccr4().write(|w| w.bits(off));
+                self.timer.ccr3().write(|w| w.bits(lower.into()));
+                self.timer.ccr4().write(|w| w.bits(upper.into()));
             }
         }
     }

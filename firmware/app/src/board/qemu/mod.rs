@@ -37,6 +37,7 @@ app! {
     edge: [edge: PORT0],
     trip: [],
     current: [],
+    loops: [],
     can: [received: UART0RX],
     refill: [refill: TIMER1],
     wake: [wake: DUALTIMER],

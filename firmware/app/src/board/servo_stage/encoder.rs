@@ -35,7 +35,7 @@ pub fn start_index(timer: &pac::TIM3, _line: PC9<Alternate<2>>) {
     }
 }
 
-/// What it had counted where the index came, if that was since the last call. For the interrupt of the currents.
+/// What it had counted where the index came, if that was since the last call. For the interrupt of the loops.
 #[cfg_attr(
     feature = "stepper405",
     allow(dead_code, reason = "its index is at no channel of the timer")

@@ -11,16 +11,23 @@ use stm32f4xx_hal::pac;
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
 use crate::board::chip::CORE_HZ;
-use crate::board::own::{gates_off, gates_on};
-
-/// Half a period.
-pub const TOP: u16 = 4_200;
+use crate::board::own::{gates_off, gates_on, TOP};
+use crate::board::{Board, Selected};
+use crate::control::RATE_HZ;
 
 /// The period of the modulation, in clocks.
 pub const PERIOD: f32 = 2.0 * TOP as f32;
 
 /// Periods in a second.
 pub const HZ: u32 = CORE_HZ / (2 * TOP as u32);
+
+/// Periods in one of the loops above the current, which run as often as refills come.
+pub const CONTROL: u8 = (HZ / (RATE_HZ * Selected::REFILLS)) as u8;
+
+const _: () = assert!(
+    HZ == RATE_HZ * Selected::REFILLS * CONTROL as u32,
+    "a refill in each period of the loops above the current"
+);
 
 /// Its compare values.
 pub const COUNTER: Counter = Counter::new(TOP);

@@ -30,6 +30,9 @@ const SETTINGS: Settings = Settings {
     dead: 0,
 };
 
+/// Half a period, 20 kHz.
+pub const TOP: u16 = 4_200;
+
 /// CR1 of TIM1: it counts down.
 const DIR: u32 = 1 << 4;
 
@@ -78,6 +81,13 @@ impl servo_stage::Bridges for Bridges {
     fn off(&mut self) {
         self.motor.off();
     }
+}
+
+/// There is no brake resistor.
+pub struct Brake;
+
+impl servo_stage::Brake for Brake {
+    fn burn(&mut self, _share: f32) {}
 }
 
 #[inline(always)]

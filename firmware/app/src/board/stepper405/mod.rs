@@ -47,7 +47,7 @@ use super::chip::{self, can, clocks, flash, ram_code, switches, CORE_HZ, TIMERS_
 use super::servo_stage::{self, converters, encoder, lines, orders, stage};
 use super::{user_memory, Board, Parts};
 use crate::stepping::SharedEmitter;
-pub use bridges::{cut, gates_off, gates_on, has_power, Bridges};
+pub use bridges::{cut, gates_off, gates_on, has_power, Brake, Bridges, TOP};
 pub use motor::{three_currents, CHANNELS, DATA};
 
 /// Its index is at no channel of the timer: an interrupt that reads the count would be late by more than counts that are lost.
@@ -62,6 +62,7 @@ app! {
     edge: [edge: EXTI2],
     trip: [trip: EXTI3],
     current: [current: ADC],
+    loops: [loops: TIM7],
     can: [received: CAN1_RX0, sent: CAN1_TX, error: CAN1_SCE],
     refill: [refill: TIM4],
     wake: [wake: TIM5],
@@ -189,7 +190,7 @@ impl Board for Stepper405 {
             (a.pa11.into_alternate().speed(Speed::High)).internal_resistor(Pull::Down),
         );
         let (orders, servo_objects) =
-            servo_stage::start(converters, || Bridges::new(device.TIM1, &mut rcc));
+            servo_stage::start(converters, Brake, || Bridges::new(device.TIM1, &mut rcc));
 
         let can_pins = (
             // At the lowest speed an edge takes a tenth of a bit of 1 Mbit/s.
@@ -237,6 +238,10 @@ impl Board for Stepper405 {
 
     fn on_current() {
         servo_stage::on_current();
+    }
+
+    fn on_loops() {
+        servo_stage::on_loops();
     }
 
     fn trip() {

@@ -8,7 +8,7 @@ use servo::{Motor, Wiring};
 
 use crate::board::chip::CORE_HZ;
 use crate::board::servo_stage::converters::Channels;
-use crate::board::servo_stage::pwm::PERIOD;
+use crate::board::servo_stage::pwm::{CONTROL, PERIOD};
 
 /// The shunts in Ω, and the gain of the amplifiers behind them: ±8.2 A, of which the trip is 4.8 A.
 const SHUNT: f32 = 10e-3;
@@ -45,7 +45,7 @@ pub const DATA: ServoData = ServoData {
     encoder: 0,
     stage: StageData {
         period: PERIOD / CORE_HZ as f32,
-        control: 5,
+        control: CONTROL,
         voltage: 24.0,
         // A DRV8412 has some ns; about 1 µs, as other drivers have it, is 0.02.
         dead_time: 0.0,

@@ -48,6 +48,7 @@ app! {
     edge: [edge_of_first: EXTI4, edge: EXTI9_5],
     trip: [],
     current: [],
+    loops: [],
     can: [received: CAN1_RX0, sent: CAN1_TX, error: CAN1_SCE],
     refill: [refill: TIM3],
     wake: [wake: TIM5],

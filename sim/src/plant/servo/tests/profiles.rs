@@ -16,7 +16,7 @@ fn wanted(name: &str, otherwise: u64) -> u64 {
 /// The true lead of the current over the rotor in full steps, where enough of it flows to tell, and the bus has the voltage for the one that is asked for.
 fn lead(servo: &ServoMotor) -> f64 {
     let [d, q] = servo.plant.current();
-    let asked = servo.loops.demand();
+    let asked = servo.current.demand();
     let away = (d - f64::from(asked.d)).hypot(q - f64::from(asked.q));
     let rated = f64::from(servo.loops.motor().rated_current);
     if d.hypot(q) < 0.2 * rated || away > 0.05 * d.hypot(q) {
