@@ -9,13 +9,12 @@
 //! What may be asked of the motor is the least of what is ordered, of the heat ([`Thermal`], [`Derating`]) and of the bus ([`Bus`]). What cannot go on is a [`Fault`]: the
 //! gates are to be off from then on, until [`Control::start`].
 
+mod fault;
 mod field;
 mod order;
 mod watch;
 
 use crate::cascade::{Actual, Demand, Gains, Limits};
-use crate::current_loop::Trip;
-use crate::feedback::FeedbackFault;
 use crate::filter::Filter;
 use crate::interrupt::Snapshot;
 use crate::motor::Implausible;
@@ -25,50 +24,9 @@ use crate::stepper::{Stepper, StepperConfig};
 use crate::transform::Rotor;
 use crate::tuning::Chirp;
 use crate::{Angle, Cascade, Motor};
+pub use fault::Fault;
 pub use order::{Goal, Order, Report};
 use watch::Watch;
-
-/// Why the motor has no current any more.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Fault {
-    /// A current above its bound.
-    OverCurrent,
-    /// A current above its bound that flows beside the motor.
-    Short,
-    /// The bus is below its bound.
-    UnderVoltage,
-    /// The bus is above its bound.
-    OverVoltage,
-    /// Too hot for any current.
-    Temperature,
-    /// The rotor does not turn though much is asked of it.
-    Blocked,
-    /// The encoder is not where the magnet is, or has lost counts; or the data of the motor are far from it: both show as a voltage that the model does not know.
-    Encoder,
-    /// A phase carries nothing.
-    PhaseLost,
-    /// The currents of the phases do not add up to nothing, or one of them stands still whatever is done: a sensor of them is wrong, or a current leaks.
-    CurrentSensor,
-    /// Faster than the motor may turn.
-    OverSpeed,
-}
-
-impl From<Trip> for Fault {
-    fn from(trip: Trip) -> Self {
-        match trip {
-            Trip::OverCurrent => Self::OverCurrent,
-            Trip::Short => Self::Short,
-            Trip::UnderVoltage => Self::UnderVoltage,
-            Trip::OverVoltage => Self::OverVoltage,
-        }
-    }
-}
-
-impl From<FeedbackFault> for Fault {
-    fn from(_: FeedbackFault) -> Self {
-        Self::Encoder
-    }
-}
 
 /// How the control is set up.
 #[derive(Clone, Copy, Debug, PartialEq)]
