@@ -320,7 +320,7 @@ def test_what_can_be_set_is_kept_within_its_limits_and_the_motor_goes_on(servo):
         if refused is not None:
             one.refuses(index, refused, code, sub)
         assert one.read(index, sub) == value, f"{index:04X}h:{sub}"
-    for sub, value in enumerate([1_700_000, 3_300_000, 3_300_000, 3_700_000, 11_000_000, 4_000], 1):
+    for sub, value in enumerate([1_700_000, 3_300_000, 3_300_000, 3_700_000, 11_000_000, 4_000, 800], 1):
         one.write(0x20C2, value, sub)
         assert one.read(0x20C2, sub) == value
     for sub in range(1, 15):

@@ -13,6 +13,7 @@ mod software_limit;
 mod stepper;
 mod torque;
 mod tuning;
+mod weakening;
 
 use tests::drive::ServoBench;
 

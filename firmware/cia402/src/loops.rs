@@ -12,6 +12,8 @@ pub const MAY_BE_THERE: bool = cfg!(feature = "torque");
 pub struct ServoSettings {
     /// 20C2h: in µΩ, nH along and across, nV·s, g·mm², µN·m. Taken over while the power is off.
     pub motor: [u32; 6],
+    /// 20C2h:7: the greatest current that may weaken the field, in mA. Taken over while the power is off.
+    pub weakening: u32,
     /// Taken over while the power is off.
     pub pole_pairs: u16,
     /// The commutation offset: how far the rotor's flux is ahead of the angle from the encoder, in electrical turns of 2¹⁶. Taken over
@@ -81,6 +83,7 @@ impl ServoSettings {
     /// All as the axis has it.
     pub const NONE: Self = Self {
         motor: [0; 6],
+        weakening: 0,
         pole_pairs: 0,
         offset: 0,
         is_turned: false,

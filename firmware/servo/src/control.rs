@@ -11,10 +11,11 @@
 
 mod fault;
 mod field;
+mod limits;
 mod order;
 mod watch;
 
-use crate::cascade::{Actual, Demand, Gains, Limits};
+use crate::cascade::{Actual, Demand, Gains};
 use crate::filter::Filter;
 use crate::interrupt::Snapshot;
 use crate::motor::Implausible;
@@ -69,6 +70,10 @@ pub struct Control {
     motor: Motor,
     /// Of the motor, in N·m/A.
     torque_constant: f32,
+    /// The same with the field as it is weakened: a salient motor has more of it then.
+    weakened_constant: f32,
+    /// The greatest current by the heat, in A.
+    by_heat: f32,
     /// What is left of a difference to what is shown, a period later.
     shows: f32,
     /// Of the control, in s.
@@ -112,6 +117,8 @@ impl Control {
         let (stage, stage_time) = config.stage;
         Ok(Self {
             torque_constant: motor.torque_constant(),
+            weakened_constant: motor.torque_constant(),
+            by_heat: 0.0,
             shows: fade(1.0 / SHOWN, period),
             motor: *motor,
             period,
@@ -269,7 +276,9 @@ impl Control {
         let [motor, stage] = &mut self.thermal;
         let square = current.square();
         let heat = lesser(motor.run(square), stage.run(square));
-        let limits = self.limits(heat * share, actual.velocity, seen.bus);
+        self.by_heat = heat * share;
+        let across = self.across(seen.weakening);
+        let limits = self.limits(across, actual.velocity, seen.bus);
         let Some(order) = self.order else {
             return Ok(Rotor::ZERO);
         };
@@ -336,11 +345,10 @@ impl Control {
     pub fn report(&self, seen: &Snapshot) -> Report {
         let current = self.shown;
         let constant = self.torque_constant;
-        let saliency = self.motor.inductance_d - self.motor.inductance_q;
-        let torque = constant * (1.0 + saliency * current.d / self.motor.flux) * current.q;
+        let torque = constant * self.by_saliency(current.d) * current.q;
         let size = root(current.square());
         Report {
-            demand: self.wanted * constant,
+            demand: self.wanted * self.weakened_constant,
             torque,
             current: if current.q < 0.0 { -size } else { size },
             velocity: self.actual(seen).velocity / self.cascade.count,
@@ -376,7 +384,7 @@ impl Control {
 
     /// What the order says now, and whether it is a position.
     fn demand(&mut self, order: &Order) -> (Demand, bool) {
-        let current = order.torque / self.torque_constant;
+        let current = order.torque / self.weakened_constant;
         let Goal::Position {
             counts,
             part,
@@ -403,46 +411,6 @@ impl Control {
             current,
         };
         (demand, true)
-    }
-
-    /// The least of all limits, as currents.
-    fn limits(&self, heat: f32, velocity: f32, bus: f32) -> Limits {
-        let (positive, negative) = self.order.map_or((0.0, 0.0), |order| order.max_torque);
-        let by_torque = 1.0 / self.torque_constant;
-        let braking = self.bus.braking(bus);
-        // Slow motion gives nothing back: what brakes there is lost in the winding.
-        let brakes = velocity.abs() > 1.0;
-        let within = |torque: f32, is_braking: bool| {
-            let max = between(torque * by_torque, 0.0, heat);
-            if is_braking && brakes {
-                max * braking
-            } else {
-                max
-            }
-        };
-        Limits {
-            positive: within(positive, velocity < 0.0),
-            negative: within(negative, velocity > 0.0),
-        }
-    }
-
-    /// What is left of the limits before a speed, in counts/s, at a velocity that has changed by `gained` in a period. Below nine tenths of
-    /// the speed what is given grows: where the speed is so low that the loop would take less than the limit, a rotor that stands has all of it.
-    fn below_speed(&self, limits: Limits, speed: f32, (velocity, gained): (f32, f32)) -> Limits {
-        let max = limit(speed, 1e12) * self.cascade.count;
-        let push = self.cascade.push();
-        let rate = 0.25 * self.cascade.gains.velocity * self.period;
-        // What brakes has the limit of its own direction.
-        let left = |room: f32, given: f32, gained: f32, brakes: f32, limit: f32| {
-            let grown = given + push * (rate * (room - 0.1 * max) - gained);
-            between(grown.max(push * room), -brakes, limit)
-        };
-        let Limits { positive, negative } = limits;
-        let wanted = self.wanted;
-        Limits {
-            positive: left(max - velocity, wanted, gained, negative, positive),
-            negative: left(max + velocity, -wanted, -gained, positive, negative),
-        }
     }
 
     /// Whether the rotor is pushed as hard as it may be.

@@ -29,7 +29,7 @@ use crate::angle::sine_cosine_of_four;
 use crate::field_weakening::FieldWeakening;
 use crate::modulation::{Modulation, Widths};
 use crate::motor::{Implausible, Motor, Wiring};
-use crate::number::{inverse_root, is_within, limit, limit_at_once, root_of_number};
+use crate::number::{inverse_root, is_within, lesser, limit, limit_at_once, root_of_number};
 use crate::transform::{Clarke, Rotor};
 use axis::Axis;
 pub use axis::{SOFTEST, STIFFEST};
@@ -58,7 +58,7 @@ pub struct CurrentConfig {
     pub trip: f32,
     /// The least and the greatest voltage of the bus at which the gates are on, in V.
     pub bus: (f32, f32),
-    /// The greatest current that may weaken the field, in A; 0 for none.
+    /// The greatest current that may weaken the field, in A; 0 for none. Where the magnet has less, no more than that: beyond it the field would grow again.
     pub weakening: f32,
 }
 
@@ -119,7 +119,8 @@ pub struct CurrentLoop {
     /// The circle of the voltage, in parts of the modulation, and its square.
     circle: f32,
     circle_square: f32,
-    weakening: FieldWeakening,
+    /// The current that weakens the field, within [`CurrentConfig::weakening`].
+    pub weakening: FieldWeakening,
     /// The voltage that acts, seen from the rotor in the middle of its period.
     voltage: Rotor,
     current: Rotor,
@@ -155,6 +156,7 @@ impl CurrentLoop {
             && is_within(least, 1.0, max)
             && is_within(max, least, 2e3);
         let circle = modulation.circle();
+        let weakening = lesser(config.weakening, motor.flux / motor.inductance_d);
         let current_loop = Self {
             config,
             modulation,
@@ -167,7 +169,7 @@ impl CurrentLoop {
             max_square: config.max_current * config.max_current,
             circle,
             circle_square: circle * circle,
-            weakening: FieldWeakening::new(config.weakening, circle * circle),
+            weakening: FieldWeakening::new(weakening, circle * circle),
             voltage: Rotor::ZERO,
             current: Rotor::ZERO,
             demand: Rotor::ZERO,

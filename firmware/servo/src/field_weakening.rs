@@ -2,7 +2,7 @@
 //!
 //! An integral of the square of the voltage: above nine tenths of the circle the current in d falls, below it comes back to 0.
 
-use crate::number::held;
+use crate::number::{between, held};
 
 /// The share of the square of the circle above which the field is weakened: 0.9².
 const FULL: f32 = 0.81;
@@ -16,6 +16,8 @@ const RATE_BITS: u32 = 17;
 pub struct FieldWeakening {
     /// Parts that the square of a voltage takes from the rate.
     by_square: f32,
+    /// The greatest current, in A.
+    max: f32,
     /// Of a part, in A: 0 for none.
     scale: f32,
     parts: i32,
@@ -27,9 +29,19 @@ impl FieldWeakening {
     pub(crate) fn new(max: f32, square: f32) -> Self {
         Self {
             by_square: (1 << RATE_BITS) as f32 / (FULL * square),
+            max,
             scale: max / (1 << BITS) as f32,
             parts: 0,
             current: 0.0,
+        }
+    }
+
+    /// At most so many A from now on, within the greatest current.
+    pub fn limit(&mut self, current: f32) {
+        self.scale = between(current, 0.0, self.max) / (1 << BITS) as f32;
+        self.current = self.parts as f32 * self.scale;
+        if self.current <= 0.0 {
+            self.reset();
         }
     }
 
@@ -83,8 +95,29 @@ mod tests {
         }
         assert!((weakening.current() - 4.0).abs() < 1e-3, "back as fast");
         let mut none = FieldWeakening::new(0.0, 100.0);
+        none.limit(5.0);
         none.look(1e30);
         assert_eq!(none.current(), 0.0);
+    }
+
+    #[test]
+    fn a_limit_holds_at_once_and_lets_it_go_again() {
+        let mut weakening = FieldWeakening::new(8.0, 100.0);
+        let full = |weakening: &mut FieldWeakening| {
+            (0..200).for_each(|_| weakening.look(1e30));
+            weakening.current()
+        };
+        assert!((full(&mut weakening) - 8.0).abs() < 1e-5);
+        weakening.limit(3.0);
+        assert!((weakening.current() - 3.0).abs() < 1e-5);
+        assert!((full(&mut weakening) - 3.0).abs() < 1e-5);
+        weakening.limit(0.0);
+        assert_eq!(full(&mut weakening), 0.0);
+        weakening.limit(20.0);
+        assert_eq!(weakening.current(), 0.0, "it begins anew");
+        assert!((full(&mut weakening) - 8.0).abs() < 1e-5);
+        weakening.limit(f32::NAN);
+        assert_eq!(full(&mut weakening), 0.0);
     }
 
     proptest! {

@@ -43,6 +43,8 @@ pub struct Snapshot {
     pub unknown: Rotor,
     /// How fast an error of the current goes, in 1/s.
     pub rate: f32,
+    /// The current that weakens the field, in A.
+    pub weakening: f32,
     /// The voltage of the bus, in V.
     pub bus: f32,
     /// The sum of all phase currents, in A.
@@ -173,6 +175,7 @@ impl CurrentInterrupt {
             demand: self.current.demand(),
             unknown: self.current.unknown(),
             rate: self.current.rate(),
+            weakening: self.current.weakening.current(),
             bus: self.volts(counts),
             sum: self.sense.amperes(counts.currents).iter().sum(),
         }

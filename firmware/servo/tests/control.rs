@@ -137,9 +137,10 @@ prop_compose! {
         torque in any_number(),
         velocity_ahead in any_number(),
         max_torque in (any_number(), any_number()),
+        max_current in any_number(),
         speed in any_number(),
     ) -> Order {
-        Order { goal, torque, velocity_ahead, max_torque, speed }
+        Order { goal, torque, velocity_ahead, max_torque, max_current, speed }
     }
 }
 
@@ -273,6 +274,7 @@ proptest! {
                 torque: torque * rated_torque,
                 velocity_ahead: 0.0,
                 max_torque: (max_torque.0 * rated_torque, max_torque.1 * rated_torque),
+                max_current: f32::MAX,
                 speed: f32::INFINITY,
             };
             servo.control.order(order, 0.0);

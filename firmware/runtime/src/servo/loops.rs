@@ -136,9 +136,15 @@ impl Loops {
             let lead = u32::from(self.settings.lead.cast_unsigned()) << 16;
             wanted.turned(Angle::from_bits(lead).sine_cosine())
         };
-        current.lock(|current| match field {
-            Some((from, speed)) => current.interrupt.order_field(wanted, from, speed),
-            None => current.interrupt.order(wanted, 0),
+        let weakening = (self.settings.weakening != 0).then(|| self.control.weakening());
+        current.lock(|current| {
+            if let Some(most) = weakening {
+                current.interrupt.current.weakening.limit(most);
+            }
+            match field {
+                Some((from, speed)) => current.interrupt.order_field(wanted, from, speed),
+                None => current.interrupt.order(wanted, 0),
+            }
         });
     }
 

@@ -92,6 +92,7 @@ impl Loops {
         }
         let gains = ServoSettings {
             motor: self.settings.motor,
+            weakening: self.settings.weakening,
             pole_pairs: self.settings.pole_pairs,
             offset: self.settings.offset,
             is_turned: self.settings.is_turned,
@@ -162,7 +163,8 @@ impl Loops {
         if sensors != SensorSettings::from(&self.settings) {
             current.lock(|current| current.set_sensors(sensors, counts));
         }
-        let own = |settings: &ServoSettings| (settings.motor, settings.pole_pairs);
+        let own =
+            |settings: &ServoSettings| (settings.motor, settings.pole_pairs, settings.weakening);
         let is_other = own(settings) != own(&self.settings);
         self.settings = *settings;
         if !is_other {

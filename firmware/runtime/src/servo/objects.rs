@@ -24,6 +24,7 @@ impl ServoObjects {
         let long = |index, sub| od::read_u32(dictionary, index, sub).unwrap_or(0);
         let settings = ServoSettings {
             motor: [1, 2, 3, 4, 5, 6].map(|sub| long(0x20C2, sub)),
+            weakening: long(0x20C2, 7),
             gains: [word(0x60F9, 1), word(0x60F9, 2), word(0x60FB, 1)],
             share: word(0x60F6, 1),
             filters: [1, 2, 3, 4].map(|sub| word(0x20C3, sub)),

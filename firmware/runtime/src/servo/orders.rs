@@ -73,6 +73,7 @@ pub(super) fn order(
         torque: order.torque as f32 * 1e-6,
         velocity_ahead: speed(order.velocity_ahead.bits()) + less,
         max_torque: (max(order.max_torque.0), max(order.max_torque.1)),
+        max_current: order.current as f32 * 1e-3,
         speed: (order.velocity.bits() >> 32) as u32 as f32 + part(order.velocity.bits() as u32),
     }
 }

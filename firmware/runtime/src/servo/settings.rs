@@ -9,7 +9,7 @@ use servo::modulation::Modulation;
 use servo::motor::Implausible;
 use servo::protection::{Bus, Derating};
 use servo::stepper::{Beyond, StepperConfig};
-use servo::{Control, CurrentLoop, Motor};
+use servo::{Control, CurrentLoop, Motor, Wiring};
 
 use super::data::ServoData;
 
@@ -51,6 +51,8 @@ pub(super) trait LoopSettings {
     fn filters(&self, data: &ServoData) -> (Filter, Filter);
     /// Speed in rad/s and time in s.
     fn blocked(&self) -> (f32, f32);
+    /// The greatest current that weakens the field, in A: at most the peak.
+    fn weakening(&self, motor: &Motor) -> f32;
     /// `None` is that of the loop.
     fn share(&self) -> Option<f32>;
 }
@@ -110,6 +112,10 @@ impl LoopSettings for ServoSettings {
         (turns * core::f32::consts::TAU, f32::from(time) * 1e-3)
     }
 
+    fn weakening(&self, motor: &Motor) -> f32 {
+        (self.weakening as f32 * 1e-3).min(motor.peak_current)
+    }
+
     fn share(&self) -> Option<f32> {
         (self.share > 0).then(|| f32::from(self.share) * 1e-3)
     }
@@ -133,6 +139,21 @@ pub(super) fn derating() -> Option<Derating> {
     Derating::new(80.0, 100.0).ok()
 }
 
+/// The speed at which the gates go off, in rad/s. A weakened field turns the motor faster than its bus would, and with the gates off its magnet feeds the bus
+/// through the diodes: no further than to the bound of that.
+fn over_speed(data: &ServoData, motor: &Motor, weakening: f32) -> f32 {
+    let own = data.max_speed() * 1.2;
+    if weakening <= 0.0 {
+        return own;
+    }
+    let between_lines = match motor.wiring {
+        Wiring::TwoPhase => 1.0,
+        Wiring::ThreePhase => 1.732_050_8,
+    };
+    let (_, bound) = data.bounds();
+    own.min(bound / (between_lines * motor.flux * f32::from(motor.pole_pairs)))
+}
+
 /// The current loop for a motor.
 pub(super) fn current_loop(
     data: &ServoData,
@@ -142,6 +163,7 @@ pub(super) fn current_loop(
     let own = config(data);
     let config = CurrentConfig {
         share: settings.share().unwrap_or(own.share),
+        weakening: settings.weakening(motor),
         ..own
     };
     CurrentLoop::new(motor, config, modulation(data)?)
@@ -164,7 +186,7 @@ pub(super) fn control(
         bus: Bus::new(1.03 * voltage, 1.05 * voltage, 1.2 * voltage)?,
         derating: derating().ok_or(Implausible)?,
         blocked: settings.blocked(),
-        max_speed: data.max_speed() * 1.2,
+        max_speed: over_speed(data, motor, settings.weakening(motor)),
     };
     let mut control = Control::new(motor, config)?;
     // What cannot be leaves the loops.

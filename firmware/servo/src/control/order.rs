@@ -29,6 +29,8 @@ pub struct Order {
     pub velocity_ahead: f32,
     /// The greatest positive and negative torque, each at least 0.
     pub max_torque: (f32, f32),
+    /// The greatest current, in A, of which a weakened field has its part. Without one the torques are to be within it.
+    pub max_current: f32,
     /// The fastest while a torque is held, in counts/s.
     pub speed: f32,
 }

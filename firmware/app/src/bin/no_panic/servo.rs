@@ -87,6 +87,7 @@ pub fn servo() -> Result<(), Implausible> {
     while any() != 0 {
         match any() {
             0 => current.start(),
+            16 => current.weakening.limit(number()),
             1 => look(sense.learn([any() as u16, any() as u16, any() as u16]) as u32),
             2 => sense.restart(),
             3 => look(encoder.index(any() as u16).is_ok().into()),
@@ -283,6 +284,7 @@ fn ordered(motor: &Motor, interrupt: &mut CurrentInterrupt) -> Result<(), Implau
             torque: number(),
             velocity_ahead: number(),
             max_torque: (number(), number()),
+            max_current: number(),
             speed: number(),
         };
         control.order(order, number());
