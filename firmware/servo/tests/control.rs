@@ -41,12 +41,15 @@ struct Servo {
 }
 
 impl Servo {
-    fn new(data: &PlantData, rated: f32, peak: f32) -> Self {
+    fn new(data: &PlantData, rated: f32, peak: f32, weakening: f32) -> Self {
         let motor = motor(data, rated, peak);
         let volts = data.supply.voltage as f32;
         let scale = 2.5 * peak / f32::from(MIDDLE);
         let bounds = (0.6 * volts, 1.25 * volts);
-        let config = CurrentConfig::quick(&motor, PERIOD, 2.0 * peak, bounds);
+        let config = CurrentConfig {
+            weakening,
+            ..CurrentConfig::quick(&motor, PERIOD, 2.0 * peak, bounds)
+        };
         let current = CurrentLoop::new(&motor, config, modulation(data, motor.wiring)).unwrap();
         let config = ControlConfig {
             period: CONTROL,
@@ -90,6 +93,8 @@ impl Servo {
                 temperature,
             )
         {
+            let most = self.control.weakening();
+            self.interrupt.current.weakening.limit(most);
             match self.control.field() {
                 Some((from, speed)) => self.interrupt.order_field(current, from, speed),
                 None => self.interrupt.order(current, 0),
@@ -184,12 +189,13 @@ proptest! {
     #[test]
     fn no_number_gets_through_the_control(
         axis in 0..2_usize,
+        weakening in 0.0..=1.0_f32,
         settings in (prop::array::uniform3(any_number()), prop::array::uniform4(any_number()), (any_number(), any_number())),
         lead in (any::<bool>(), [1.1..1.7_f32, 1.0..4_000.0_f32, 0.01..2.4_f32, 0.05..1.0_f32], 0..4_u8),
         runs in prop::collection::vec((any_order(), any_number(), any_counts(), any_number(), any_number(), any_number()), 1..60),
     ) {
         let (data, rated, peak) = AXES[axis];
-        let mut servo = Servo::new(&data, rated, peak);
+        let mut servo = Servo::new(&data, rated, peak, weakening * peak);
         let (motor, constant) = (servo.motor, servo.motor.torque_constant());
         let ([position, velocity, integral], filters, blocked) = settings;
         // What cannot be is refused, and what was before stays.
@@ -217,6 +223,8 @@ proptest! {
             servo.period(&counts, None);
             let asked = servo.interrupt.current.demand();
             prop_assert!(asked.d.hypot(asked.q) <= peak * 1.000_01, "{:?}", asked);
+            let weakened = servo.interrupt.current.weakening.current();
+            prop_assert!(weakened <= 0.900_01 * order.max_current.max(0.0).min(peak) || servo.control.fault().is_some(), "{}", weakened);
             let (positive, negative) = order.max_torque;
             if servo.control.fault().is_none() && servo.control.field().is_none() {
                 prop_assert!(asked.q <= positive.max(0.0) / constant * 1.000_01, "{:?} {:?}", asked, order);
@@ -250,7 +258,7 @@ proptest! {
     ) {
         let (mut data, rated, peak) = AXES[axis];
         data.load.inertia *= heavier;
-        let mut servo = Servo::new(&data, rated, peak);
+        let mut servo = Servo::new(&data, rated, peak, 0.0);
         let [position, velocity, integral] = gains;
         servo.control.set_gains(Gains { position, velocity, integral }).unwrap();
         let (is_stepper, numbers, beyond) = lead;

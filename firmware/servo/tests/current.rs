@@ -190,6 +190,22 @@ fn a_weak_field_takes_the_motor_beyond_the_speed_of_its_bus() {
     assert!(with > 1.15 * without, "{without} to {with} rad/s");
 }
 
+/// A stepper has a magnet that 1.14 A take away: more would be a field again.
+#[test]
+fn a_field_is_weakened_to_nothing_at_most() {
+    let known = motor(&NEMA17, 1.7, 2.4);
+    let config = CurrentConfig {
+        weakening: 2.4,
+        ..CurrentConfig::quick(&known, PERIOD, 5.0, BUS)
+    };
+    let plant = Plant::new(held(&NEMA17), 1).turning(0.0, 250.0);
+    let mut rig = Rig::new(plant, known, config);
+    rig.is_told = true;
+    rig.periods(400, q(2.0));
+    let weakened = rig.current.weakening.current();
+    assert!((1.13..1.145).contains(&weakened), "{weakened} A");
+}
+
 /// What the dead time takes bends the current where the phases pass through zero; given back it bends it a third as much.
 #[test]
 fn the_dead_time_does_not_bend_the_current() {

@@ -2,7 +2,7 @@
 
 use super::{Control, Holder};
 use crate::cascade::Limits;
-use crate::number::{between, lesser, limit, root};
+use crate::number::{between, limit, root};
 
 /// The share of the greatest current that may weaken the field: what is left across the magnet is 0.43 of it.
 const FOR_WEAKENING: f32 = 0.9;
@@ -18,10 +18,8 @@ impl Control {
 
     /// The greatest current in all, by the heat and the order.
     fn greatest(&self) -> f32 {
-        lesser(
-            self.by_heat,
-            self.order.map_or(0.0, |order| order.max_current),
-        )
+        let ordered = self.order.map_or(0.0, |order| order.max_current);
+        between(ordered, 0.0, self.by_heat)
     }
 
     /// What of the greatest current is left across the magnet while so many A weaken its field.
@@ -32,6 +30,7 @@ impl Control {
         }
         self.weakened_constant = self.torque_constant * self.by_saliency(-weakening);
         let max = self.greatest();
+        // Where the limit has just fallen below the current that weakens nothing is left.
         root((max - weakening) * (max + weakening))
     }
 
