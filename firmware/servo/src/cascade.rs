@@ -10,7 +10,7 @@
 
 use crate::filter::Filter;
 use crate::motor::{Implausible, Motor};
-use crate::number::{between, is_within, limit, within};
+use crate::number::{are_within, between, limit, within};
 
 /// The greatest position error that is told apart, in counts.
 const FARTHEST: i64 = 1 << 23;
@@ -46,7 +46,7 @@ impl Gains {
     /// With a gain below 0, above 10⁴, or that is NaN.
     fn check(&self) -> Result<(), Implausible> {
         let gains = [self.position, self.velocity, self.integral];
-        Implausible::unless(gains.iter().all(|gain| is_within(*gain, 0.0, 1e4)))
+        Implausible::unless(are_within(gains, &[(0.0, 1e4); 3]))
     }
 }
 
@@ -128,11 +128,10 @@ impl Cascade {
         motor.check()?;
         gains.check()?;
         let inertia = motor.inertia / motor.torque_constant();
-        Implausible::unless(
-            is_within(period, 20e-6, 10e-3)
-                && is_within(friction, 0.0, 1e3)
-                && is_within(inertia, 0.0, 1e3),
-        )?;
+        Implausible::unless(are_within(
+            [period, friction, inertia],
+            &[(20e-6, 10e-3), (0.0, 1e3), (0.0, 1e3)],
+        ))?;
         Ok(Self {
             gains,
             period,

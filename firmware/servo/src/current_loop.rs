@@ -29,7 +29,9 @@ use crate::angle::sine_cosine_of_four;
 use crate::field_weakening::FieldWeakening;
 use crate::modulation::{Modulation, Widths};
 use crate::motor::{Implausible, Motor, Wiring};
-use crate::number::{inverse_root, is_within, lesser, limit, limit_at_once, root_of_number};
+use crate::number::{
+    are_within, inverse_root, is_within, lesser, limit, limit_at_once, root_of_number,
+};
 use crate::transform::{Clarke, Rotor};
 use axis::Axis;
 pub use axis::{SOFTEST, STIFFEST};
@@ -145,19 +147,34 @@ impl CurrentLoop {
         config: CurrentConfig,
         modulation: Modulation,
     ) -> Result<Self, Implausible> {
-        let motor = motor.checked()?;
+        motor.check()?;
         let (least, max) = config.bus;
-        let is_one = is_within(config.period, 5e-6, 1e-3)
-            && is_within(config.share, 1e-3, 1.0)
-            && is_within(config.learning, 0.0, 0.5)
-            && is_within(config.max_current, 0.0, 1e4)
-            && is_within(config.trip, 0.0, 1e4)
-            && is_within(config.weakening, 0.0, config.max_current)
-            && is_within(least, 1.0, max)
-            && is_within(max, least, 2e3);
+        Implausible::unless(
+            are_within(
+                [
+                    config.period,
+                    config.share,
+                    config.learning,
+                    config.max_current,
+                    config.trip,
+                    config.weakening,
+                    max,
+                ],
+                &[
+                    (5e-6, 1e-3),
+                    (1e-3, 1.0),
+                    (0.0, 0.5),
+                    (0.0, 1e4),
+                    (0.0, 1e4),
+                    (0.0, 1e4),
+                    (1.0, 2e3),
+                ],
+            ) && config.weakening <= config.max_current
+                && is_within(least, 1.0, max),
+        )?;
         let circle = modulation.circle();
         let weakening = lesser(config.weakening, motor.flux / motor.inductance_d);
-        let current_loop = Self {
+        Ok(Self {
             config,
             modulation,
             wiring: motor.wiring,
@@ -177,8 +194,7 @@ impl CurrentLoop {
             least_bus: least.to_bits(),
             bus_range: max.to_bits().wrapping_sub(least.to_bits()),
             tripped: None,
-        };
-        is_one.then_some(current_loop).ok_or(Implausible)
+        })
     }
 
     /// Another share of an error that a period takes away, from the next period on.
@@ -186,11 +202,8 @@ impl CurrentLoop {
     /// # Errors
     /// With a share outside 0.001 to 1; that of before stays.
     pub fn set_share(&mut self, share: f32) -> Result<(), Implausible> {
-        if !is_within(share, 1e-3, 1.0) {
-            return Err(Implausible);
-        }
+        self.set_share_along(share)?;
         self.config.share = share;
-        self.d.set_share(share);
         self.q.set_share(share);
         Ok(())
     }
@@ -200,9 +213,7 @@ impl CurrentLoop {
     /// # Errors
     /// As [`CurrentLoop::set_share`].
     pub fn set_share_along(&mut self, share: f32) -> Result<(), Implausible> {
-        if !is_within(share, 1e-3, 1.0) {
-            return Err(Implausible);
-        }
+        Implausible::unless(is_within(share, 1e-3, 1.0))?;
         self.d.set_share(share);
         Ok(())
     }
@@ -212,9 +223,7 @@ impl CurrentLoop {
     /// # Errors
     /// With one outside 0 to 0.5; that of before stays.
     pub fn set_learning(&mut self, learning: f32) -> Result<(), Implausible> {
-        if !is_within(learning, 0.0, 0.5) {
-            return Err(Implausible);
-        }
+        Implausible::unless(is_within(learning, 0.0, 0.5))?;
         self.config.learning = learning;
         self.d.set_learning(learning, self.config.period);
         self.q.set_learning(learning, self.config.period);

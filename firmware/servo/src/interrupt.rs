@@ -83,7 +83,8 @@ impl CurrentInterrupt {
         current: CurrentLoop,
         bus: f32,
     ) -> Result<Self, Implausible> {
-        let interrupt = Self {
+        Implausible::unless(is_within(bus, 1e-5, 10.0))?;
+        Ok(Self {
             sense,
             encoder,
             observer,
@@ -93,9 +94,7 @@ impl CurrentInterrupt {
             step: Rotor::ZERO,
             left: 0,
             field: None,
-        };
-        let is_one = is_within(bus, 1e-5, 10.0);
-        is_one.then_some(interrupt).ok_or(Implausible)
+        })
     }
 
     /// Orders a current in A, reached evenly in so many periods.
@@ -126,7 +125,7 @@ impl CurrentInterrupt {
     #[inline(always)]
     pub fn run(&mut self, counts: &Counts) -> Result<Widths, Trip> {
         self.encoder.look(counts.timer);
-        self.observer.look(self.encoder.angle());
+        self.observer.look(self.encoder.angle_at_once());
         let sample = Sample {
             currents: self.sense.amperes(counts.currents),
             bus: f32::from(counts.bus) * self.bus,

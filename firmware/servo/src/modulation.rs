@@ -9,7 +9,7 @@
 //! A voltage becomes whole numbers before it becomes phases: two are converted, not three, and the core bounds one by one instruction, a float by four.
 
 use crate::motor::{Implausible, Wiring};
-use crate::number::{held, is_within};
+use crate::number::{are_within, held};
 use crate::transform::{HEIGHT, Stator};
 
 /// 1/√3: the share of the bus that three phases can have as their amplitude.
@@ -69,16 +69,17 @@ impl Modulation {
         ripple: f32,
         reach: f32,
     ) -> Result<Self, Implausible> {
-        let is_one = is_within(dead_time, 0.0, 0.2)
-            && is_within(ripple, 1e-3, 1e3)
-            && is_within(reach, 0.1, 1.0);
+        Implausible::unless(are_within(
+            [dead_time, ripple, reach],
+            &[(0.0, 0.2), (1e-3, 1e3), (0.1, 1.0)],
+        ))?;
         let whole = (1 << REACH_BITS) as f32;
         let (max_share, by_reach, height) = match wiring {
             Wiring::TwoPhase => (reach, whole / reach, 1.0),
             Wiring::ThreePhase => (reach * THREE_PHASE_REACH, 2.0 * whole / reach, HEIGHT),
         };
         let of_ripple = (1 << RIPPLE_BITS) as f32;
-        let modulation = Self {
+        Ok(Self {
             wiring,
             // A full bridge loses it on both sides, and has twice the bus from one end of its reach to the other.
             lost: (dead_time * 2.0 * whole / reach / of_ripple) as i32,
@@ -88,8 +89,7 @@ impl Modulation {
             of_reach: 1.0 / by_reach,
             height,
             reach: ((reach * WIDTH_OF_REACH) as i32).min(WIDTH_OF_REACH as i32 - 32),
-        };
-        is_one.then_some(modulation).ok_or(Implausible)
+        })
     }
 
     /// The greatest amplitude of a voltage on this bus, in V.

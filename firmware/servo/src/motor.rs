@@ -1,6 +1,6 @@
 //! What a motor is, for the loops: the data of its maker or of a measurement, checked once.
 
-use crate::number::is_within;
+use crate::number::are_within;
 
 /// How the phases are wired.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,13 +72,27 @@ impl Motor {
     pub fn check(&self) -> Result<(), Implausible> {
         Implausible::unless(
             (1..=500).contains(&self.pole_pairs)
-                && is_within(self.resistance, 1e-3, 1e3)
-                && is_within(self.inductance_d, 1e-6, 1.0)
-                && is_within(self.inductance_q, 1e-6, 1.0)
-                && is_within(self.flux, 1e-6, 10.0)
-                && self.rated_current >= 1e-3
-                && is_within(self.peak_current, self.rated_current, 1e3)
-                && is_within(self.inertia, 1e-9, 1.0)
+                && are_within(
+                    [
+                        self.resistance,
+                        self.inductance_d,
+                        self.inductance_q,
+                        self.flux,
+                        self.rated_current,
+                        self.peak_current,
+                        self.inertia,
+                    ],
+                    &[
+                        (1e-3, 1e3),
+                        (1e-6, 1.0),
+                        (1e-6, 1.0),
+                        (1e-6, 10.0),
+                        (1e-3, 1e3),
+                        (1e-3, 1e3),
+                        (1e-9, 1.0),
+                    ],
+                )
+                && self.peak_current >= self.rated_current
                 && (16..=1 << 24).contains(&self.counts),
         )
     }

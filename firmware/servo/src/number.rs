@@ -72,6 +72,17 @@ pub fn is_within(value: f32, min: f32, max: f32) -> bool {
     value >= min && value <= max
 }
 
+/// Whether each value lies in its range; NaN does not. A row of these is smaller than as many calls.
+pub(crate) fn are_within<const N: usize>(values: [f32; N], ranges: &[(f32, f32); N]) -> bool {
+    all_within(&values, ranges)
+}
+
+#[inline(never)]
+fn all_within(values: &[f32], ranges: &[(f32, f32)]) -> bool {
+    let mut pairs = values.iter().zip(ranges);
+    pairs.all(|(value, (min, max))| value >= min && value <= max)
+}
+
 /// The square root; 0 for a subnormal or negative value and for NaN. Within 10⁻⁶ of it.
 ///
 /// Two of Newton's steps for 1/√x, the first one with the factors that suit the first guess, which halves the exponent.
@@ -128,6 +139,15 @@ mod tests {
         assert_eq!(within(f32::NAN, -1.0, 2.0), -1.0);
         assert_eq!(between(f32::NAN, -2.0, -1.0), -1.0);
         assert_eq!(limit(1.5, 2.0), 1.5);
+    }
+
+    #[test]
+    fn each_value_has_its_range() {
+        let ranges = [(0.0, 1.0), (-2.0, -1.0)];
+        assert!(are_within([0.0, -1.0], &ranges));
+        for wrong in [[1.5, -1.0], [0.5, 0.5], [f32::NAN, -1.0], [0.5, f32::NAN]] {
+            assert!(!are_within(wrong, &ranges), "{wrong:?}");
+        }
     }
 
     #[test]

@@ -37,16 +37,15 @@ impl CurrentSense {
     /// # Errors
     /// With a scale of 0, beyond 10 A a count, or that is NaN.
     pub fn new(scale: f32, middle: u16, spread: u16) -> Result<Self, Implausible> {
-        let sense = Self {
+        Implausible::unless(is_within(scale.abs(), 1e-6, 10.0))?;
+        Ok(Self {
             scale,
             spread,
             middle,
             offsets: [f32::from(middle) * scale; 3],
             sums: [0; 3],
             taken: 0,
-        };
-        let is_one = is_within(scale.abs(), 1e-6, 10.0);
-        is_one.then_some(sense).ok_or(Implausible)
+        })
     }
 
     /// Forgets what was learnt.

@@ -17,7 +17,7 @@
 
 use crate::Angle;
 use crate::motor::{Implausible, Motor};
-use crate::number::{between, fade, greater, is_within, limit, root, whole};
+use crate::number::{are_within, between, fade, greater, limit, root, whole};
 use crate::transform;
 
 /// Parts of a count.
@@ -138,13 +138,26 @@ impl Stepper {
     /// outside 0.05 to 1, a time of falling outside 1 ms to 100 s, or a period outside 5 µs to 1 ms; or if a full step is less than four counts.
     pub fn new(motor: &Motor, config: StepperConfig, period: f32) -> Result<Self, Implausible> {
         motor.check()?;
-        let is_one = is_within(config.bound, 1.1, 1.7)
-            && is_within(config.speed, 1.0, 1e5)
-            && is_within(config.max_speed, 1.0, 1e6)
-            && is_within(config.current, 1e-3, motor.peak_current)
-            && is_within(config.at_rest, 0.05, 1.0)
-            && is_within(config.fall, 1e-3, 100.0)
-            && is_within(period, 5e-6, 1e-3);
+        let is_one = are_within(
+            [
+                config.bound,
+                config.speed,
+                config.max_speed,
+                config.current,
+                config.at_rest,
+                config.fall,
+                period,
+            ],
+            &[
+                (1.1, 1.7),
+                (1.0, 1e5),
+                (1.0, 1e6),
+                (1e-3, 1e3),
+                (0.05, 1.0),
+                (1e-3, 100.0),
+                (5e-6, 1e-3),
+            ],
+        ) && config.current <= motor.peak_current;
         let pole_pairs = f32::from(motor.pole_pairs);
         let full_step = motor.counts as f32 / (4.0 * pole_pairs) * PARTS;
         Implausible::unless(is_one && full_step >= 4.0 * PARTS)?;

@@ -143,8 +143,14 @@ impl Incremental {
     }
 
     /// The electrical angle of the middle of the count, by the offset that was found.
-    #[inline]
+    #[inline(never)]
     pub fn angle(&self) -> Angle {
+        self.angle_at_once()
+    }
+
+    /// The same where there is no time for a call.
+    #[inline(always)]
+    pub(crate) fn angle_at_once(&self) -> Angle {
         let turned = u64::from(self.in_turn).wrapping_mul(self.factor);
         Angle::from_bits((turned.wrapping_add(self.zero) >> 32) as u32)
     }

@@ -3,11 +3,9 @@
 //! Each period it goes on by its speed and acceleration, and is corrected by shares of how far the measured angle is away. The shares are those of a
 //! filter with three equal poles, so what turns evenly, or speeds up evenly, is followed without an error.
 
-use core::hint::cold_path;
-
 use crate::Angle;
 use crate::motor::Implausible;
-use crate::number::{fade, is_within, limit_at_once};
+use crate::number::{fade, is_within, limit};
 
 /// Radians of a part of 2³² of a turn.
 const RADIANS: f32 = core::f32::consts::TAU / 4_294_967_296.0;
@@ -76,10 +74,15 @@ impl Observer {
         self.faster += third * away;
         // Two speeds within their bound one behind the other have less than a turn a period² between them, so that the acceleration need not be asked for itself.
         if !(-FASTEST..=FASTEST).contains(&(self.speed as i32)) {
-            cold_path();
-            self.speed = limit_at_once(self.speed, FASTEST as f32);
-            self.faster = limit_at_once(self.faster, FASTEST as f32);
+            self.limit_speed();
         }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn limit_speed(&mut self) {
+        self.speed = limit(self.speed, FASTEST as f32);
+        self.faster = limit(self.faster, FASTEST as f32);
     }
 
     /// The electrical angle at the last look.

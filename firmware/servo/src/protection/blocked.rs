@@ -1,7 +1,7 @@
 //! A rotor that does not turn though it is pushed as hard as may be: a speed below a bound, for a time without a break.
 
 use crate::motor::Implausible;
-use crate::number::{between, is_within};
+use crate::number::{are_within, between};
 
 /// See the module.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,11 +18,10 @@ impl Blocked {
     /// With a speed outside 0 to 10⁴ rad/s, a time outside 0 to 1,000 s, or a period outside 5 µs to 10 ms.
     #[inline(never)]
     pub fn new(speed: f32, time: f32, period: f32) -> Result<Self, Implausible> {
-        Implausible::unless(
-            is_within(speed, 0.0, 1e4)
-                && is_within(time, 0.0, 1e3)
-                && is_within(period, 5e-6, 10e-3),
-        )?;
+        Implausible::unless(are_within(
+            [speed, time, period],
+            &[(0.0, 1e4), (0.0, 1e3), (5e-6, 10e-3)],
+        ))?;
         Ok(Self {
             speed,
             periods: if time > 0.0 {

@@ -5,7 +5,7 @@
 //! Where all of them carry little the bus has not the voltage for the speed. Or nothing is connected: a voltage that the model does not know shows that.
 
 use crate::motor::{Implausible, Wiring};
-use crate::number::{fade, greater, is_within, lesser};
+use crate::number::{are_within, fade, greater, lesser};
 
 /// The share of the square of what is asked, and of another phase, below which a phase is lost: 0.2².
 const LEAST: f32 = 0.04;
@@ -30,9 +30,10 @@ impl PhaseLoss {
     /// With a current outside 1 mA to 10 kA, a period outside 5 µs to 10 ms, or a time that is not 2 periods to 10 s.
     pub fn new(wiring: Wiring, current: f32, time: f32, period: f32) -> Result<Self, Implausible> {
         Implausible::unless(
-            is_within(current, 1e-3, 1e4)
-                && is_within(period, 5e-6, 10e-3)
-                && is_within(time, 2.0 * period, 10.0),
+            are_within(
+                [current, period, time],
+                &[(1e-3, 1e4), (5e-6, 10e-3), (10e-6, 10.0)],
+            ) && time >= 2.0 * period,
         )?;
         Ok(Self {
             wiring,

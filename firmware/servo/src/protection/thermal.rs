@@ -4,7 +4,7 @@
 //! nine tenths of it are spent the limit falls, with the rest of the budget, from the peak to the rated current; there it stays whatever is asked for.
 
 use crate::motor::Implausible;
-use crate::number::{between, is_within, lesser, root};
+use crate::number::{are_within, between, lesser, root};
 
 /// The rest of the budget from which on the limit falls.
 const REST: f32 = 0.1;
@@ -27,10 +27,11 @@ impl Thermal {
     /// With a rated current outside 1 mA to 1 kA, a peak below it or above 10 kA, a time outside a period to 1,000 s, or a period outside 20 µs to 1 s.
     pub fn new(rated: f32, peak: f32, time: f32, period: f32) -> Result<Self, Implausible> {
         Implausible::unless(
-            is_within(rated, 1e-3, 1e3)
-                && is_within(peak, rated, 1e4)
-                && is_within(period, 20e-6, 1.0)
-                && is_within(time, period, 1e3),
+            are_within(
+                [rated, peak, time, period],
+                &[(1e-3, 1e3), (1e-3, 1e4), (20e-6, 1e3), (20e-6, 1.0)],
+            ) && peak >= rated
+                && time >= period,
         )?;
         let rated_square = rated * rated;
         Ok(Self {

@@ -2,7 +2,7 @@
 
 use crate::Angle;
 use crate::motor::Implausible;
-use crate::number::{is_within, limit};
+use crate::number::{are_within, limit};
 use crate::transform::direction;
 
 /// See the module.
@@ -28,12 +28,19 @@ impl Chirp {
         time: f32,
         period: f32,
     ) -> Result<Self, Implausible> {
+        let max = 0.1 / period;
         Implausible::unless(
-            is_within(period, 20e-6, 10e-3)
-                && is_within(amplitude, 1e-6, 1e4)
-                && is_within(first, 0.1, 0.1 / period)
-                && is_within(last, 0.1, 0.1 / period)
-                && is_within(time, 0.01, 100.0),
+            are_within(
+                [period, amplitude, first, last, time],
+                &[
+                    (20e-6, 10e-3),
+                    (1e-6, 1e4),
+                    (0.1, 1e4),
+                    (0.1, 1e4),
+                    (0.01, 100.0),
+                ],
+            ) && first <= max
+                && last <= max,
         )?;
         let periods = time / period;
         Ok(Self {

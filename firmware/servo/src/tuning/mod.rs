@@ -21,7 +21,7 @@ mod winding;
 use crate::current_loop::{CurrentConfig, Trip};
 use crate::modulation::{Modulation, Widths};
 use crate::motor::Implausible;
-use crate::number::is_within;
+use crate::number::{are_within, is_within};
 use crate::transform::{Rotor, Stator};
 use crate::{Angle, CurrentLoop, Motor, Wiring};
 pub use chirp::Chirp;
@@ -81,7 +81,7 @@ impl Measured {
     /// # Errors
     /// If it can be none.
     pub fn motor(&self, setup: &Setup, currents: (f32, f32)) -> Result<Motor, Implausible> {
-        Motor {
+        let motor = Motor {
             wiring: setup.wiring,
             pole_pairs: self.pole_pairs,
             resistance: self.resistance,
@@ -92,8 +92,9 @@ impl Measured {
             peak_current: currents.1,
             inertia: self.inertia,
             counts: setup.counts,
-        }
-        .checked()
+        };
+        motor.check()?;
+        Ok(motor)
     }
 }
 
@@ -172,13 +173,28 @@ impl Tuning {
     pub fn new(setup: Setup) -> Result<Self, Implausible> {
         Implausible::unless(
             (16..=1 << 24).contains(&setup.counts)
-                && is_within(setup.period, 5e-6, 1e-3)
-                && is_within(setup.current, 1e-3, setup.trip)
-                && setup.trip <= 1e4
-                && is_within(setup.bus.0, 1.0, setup.bus.1)
-                && setup.bus.1 <= 2e3
-                && is_within(setup.distance, 0.01, 10.0)
-                && is_within(setup.max_speed, 1.0, 1e4),
+                && are_within(
+                    [
+                        setup.period,
+                        setup.current,
+                        setup.trip,
+                        setup.bus.0,
+                        setup.bus.1,
+                        setup.distance,
+                        setup.max_speed,
+                    ],
+                    &[
+                        (5e-6, 1e-3),
+                        (1e-3, 1e4),
+                        (1e-3, 1e4),
+                        (1.0, 2e3),
+                        (1.0, 2e3),
+                        (0.01, 10.0),
+                        (1.0, 1e4),
+                    ],
+                )
+                && setup.current <= setup.trip
+                && setup.bus.0 <= setup.bus.1,
         )?;
         Ok(Self {
             setup,
