@@ -124,7 +124,7 @@ impl CurrentInterrupt {
     /// The gates are to be off, until [`CurrentLoop::start`].
     #[inline(always)]
     pub fn run(&mut self, counts: &Counts) -> Result<Widths, Trip> {
-        self.encoder.look(counts.timer);
+        self.encoder.look_at_once(counts.timer);
         self.observer.look(self.encoder.angle_at_once());
         let sample = Sample {
             currents: self.sense.amperes(counts.currents),

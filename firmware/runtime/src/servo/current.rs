@@ -100,9 +100,10 @@ impl Current {
     /// With data that cannot be.
     pub fn new(data: &ServoData, timer: u16, magnet: Option<Angle>) -> Result<Self, Implausible> {
         let stage = &data.stage;
-        let motor = data.motor.checked()?;
-        let current = current_loop(data, &motor, &ServoSettings::NONE)?;
-        let mut encoder = Incremental::new(&motor, timer, 2);
+        let motor = &data.motor;
+        motor.check()?;
+        let current = current_loop(data, motor, &ServoSettings::NONE)?;
+        let mut encoder = Incremental::new(motor, timer, 2);
         encoder.set_counts(data.encoder_counts(0));
         if let Some(angle) = magnet {
             encoder.set_angle(angle);
@@ -111,7 +112,7 @@ impl Current {
         observer.stand_at(encoder.angle());
         let (middle, spread) = stage.middle;
         let sense = CurrentSense::new(stage.current, middle, spread)?;
-        let search = Commutation::new(&motor, motor.rated_current, stage.period)?;
+        let search = Commutation::new(motor, motor.rated_current, stage.period)?;
         let is_found = magnet.is_some() || data.feedback != Feedback::Incremental;
         Ok(Self {
             interrupt: CurrentInterrupt::new(sense, encoder, observer, current, stage.bus)?,
@@ -122,9 +123,9 @@ impl Current {
             at: stage.control.saturating_sub(1),
             control: stage.control,
             counts: Counts::default(),
-            sensor: Sensor::new(data, &motor)?,
+            sensor: Sensor::new(data, motor)?,
             settings: SensorSettings::NONE,
-            motor,
+            motor: *motor,
             period: stage.period,
             search: (!is_found).then_some(search),
             tuning: None,

@@ -33,7 +33,8 @@ impl Loops {
     /// # Errors
     /// With data that cannot be.
     pub fn new(data: &ServoData) -> Result<Self, Implausible> {
-        let motor = data.motor.checked()?;
+        let motor = data.motor;
+        motor.check()?;
         let settings = ServoSettings::default();
         Ok(Self {
             data: *data,

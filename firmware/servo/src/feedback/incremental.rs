@@ -60,8 +60,14 @@ impl Incremental {
     }
 
     /// The timer counts this now. More than 32,767 counts between two looks cannot be seen.
-    #[inline(always)]
+    #[inline(never)]
     pub fn look(&mut self, timer: u16) {
+        self.look_at_once(timer);
+    }
+
+    /// The same where there is no time for a call.
+    #[inline(always)]
+    pub(crate) fn look_at_once(&mut self, timer: u16) {
         let moved = self.moved(self.last, timer);
         self.last = timer;
         let in_turn = self.in_turn.cast_signed() + moved;

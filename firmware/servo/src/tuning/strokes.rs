@@ -195,7 +195,7 @@ impl Strokes {
                 self.grow(setup, distance)?;
             }
         } else {
-            let turns = self.observer.speed().abs() / f32::from(measured.pole_pairs.max(1));
+            let turns = speed.abs() / f32::from(measured.pole_pairs.max(1));
             let is_moved = distance as f32 > MOVED * setup.counts as f32;
             let needed = self.current.voltage();
             let most = VOLTAGE * setup.modulation.max_voltage(seen.bus);
