@@ -122,7 +122,7 @@ impl CurrentInterrupt {
     ///
     /// # Errors
     /// The gates are to be off, until [`CurrentLoop::start`].
-    #[inline(always)]
+    #[inline(never)]
     pub fn run(&mut self, counts: &Counts) -> Result<Widths, Trip> {
         self.encoder.look_at_once(counts.timer);
         self.observer.look(self.encoder.angle_at_once());

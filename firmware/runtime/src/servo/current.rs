@@ -74,9 +74,9 @@ pub struct Current {
     pub(super) is_on: bool,
     /// Where the magnet and the sensors are is known from the start.
     is_ideal: bool,
-    /// In which of so many periods it is; the loops are due in the first.
-    at: u8,
-    control: u8,
+    /// Periods until the loops are due, and from one in which they are to the next how many there are in which they are not.
+    left: u8,
+    between: u8,
     /// The last ones.
     counts: Counts,
     /// What is beside the encoder, or in its place, and what it means.
@@ -113,6 +113,7 @@ impl Current {
         let (middle, spread) = stage.middle;
         let sense = CurrentSense::new(stage.current, middle, spread)?;
         let search = Commutation::new(motor, motor.rated_current, stage.period)?;
+        let between = stage.control.saturating_sub(1);
         let is_found = magnet.is_some() || data.feedback != Feedback::Incremental;
         Ok(Self {
             interrupt: CurrentInterrupt::new(sense, encoder, observer, current, stage.bus)?,
@@ -120,8 +121,8 @@ impl Current {
             fault: None,
             is_on: false,
             is_ideal: magnet.is_some(),
-            at: stage.control.saturating_sub(1),
-            control: stage.control,
+            left: between.min(1),
+            between,
             counts: Counts::default(),
             sensor: Sensor::new(data, motor)?,
             settings: SensorSettings::NONE,
@@ -137,15 +138,13 @@ impl Current {
     #[inline]
     pub fn period(&mut self, counts: &Counts) -> Option<Widths> {
         self.counts = *counts;
-        self.at += 1;
-        if self.at >= self.control {
-            self.at = 0;
-        }
+        self.left = self.left.checked_sub(1).unwrap_or(self.between);
         if self.work != Work::Loops {
             cold_path();
-            return self.period_beside(counts);
+            return self.period_beside();
         }
-        match self.interrupt.run(counts) {
+        // The copy, so that what was read goes there from its registers.
+        match self.interrupt.run(&self.counts) {
             Ok(widths) => Some(widths),
             Err(trip) => {
                 cold_path();
@@ -158,7 +157,7 @@ impl Current {
     /// Whether the loops are to run behind this period.
     #[inline]
     pub fn is_due(&self) -> bool {
-        self.at == 0
+        self.left == 0
     }
 
     /// Whether the gates are to be off, as they are without widths: at once, where the loops have taken the current.
@@ -195,7 +194,8 @@ impl Current {
 
     /// A period in which the loops do not run.
     #[inline(never)]
-    fn period_beside(&mut self, counts: &Counts) -> Option<Widths> {
+    fn period_beside(&mut self) -> Option<Widths> {
+        let counts = &{ self.counts };
         self.interrupt.encoder.look(counts.timer);
         let angle = self.interrupt.encoder.angle();
         self.interrupt.observer.look(angle);

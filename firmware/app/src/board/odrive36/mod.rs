@@ -46,7 +46,7 @@ use super::servo_stage::{self, converters, encoder, lines, orders, stage};
 use super::{user_memory, Board, Parts};
 use crate::stepping::SharedEmitter;
 pub use motor::{three_currents, CHANNELS, DATA};
-pub use pwm::{cut, Brake, Bridges, TOP};
+pub use pwm::{cut, Brake, Bridges, DEAD, TOP};
 pub use servo_stage::pwm::{
     are_outputs_on as has_power, outputs_off as gates_off, outputs_on as gates_on,
 };

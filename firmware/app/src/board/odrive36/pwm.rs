@@ -34,7 +34,6 @@ const SETTINGS: Settings = Settings {
     fourth: (ABOVE, TOP - 1),
     // Channels 1 to 3 and their complements.
     outputs: 0x555,
-    dead: DEAD,
 };
 
 /// CCER of TIM2: channels 3 and 4.

@@ -11,7 +11,7 @@ use stm32f4xx_hal::pac;
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
 use crate::board::chip::CORE_HZ;
-use crate::board::own::{gates_off, gates_on, TOP};
+use crate::board::own::{gates_off, gates_on, DEAD, TOP};
 use crate::board::{Board, Selected};
 use crate::control::RATE_HZ;
 
@@ -49,6 +49,9 @@ pub mod bits {
     pub const UG: u32 = 1;
 }
 
+/// BDTR without [`bits::MOE`].
+const OUTPUTS: u32 = bits::OSSI | bits::OSSR | DEAD as u32;
+
 /// What boards have differently.
 pub struct Settings {
     /// CR2: what the trigger of the timer is.
@@ -57,8 +60,6 @@ pub struct Settings {
     pub fourth: (u32, u16),
     /// CCER: the outputs that are on.
     pub outputs: u32,
-    /// Clocks between the switches of a half bridge.
-    pub dead: u8,
 }
 
 /// The bridges have a fault, and have not yet been asked why.
@@ -87,9 +88,7 @@ impl Motor {
                 .ccmr2_output()
                 .write(|w| w.bits(bits::BELOW | mode << 8));
             timer.ccer().write(|w| w.bits(settings.outputs));
-            timer
-                .bdtr()
-                .write(|w| w.bits(bits::OSSI | bits::OSSR | u32::from(settings.dead)));
+            timer.bdtr().write(|w| w.bits(OUTPUTS));
             timer.arr().write(|w| w.bits(TOP.into()));
             timer.ccr4().write(|w| w.bits(compare.into()));
             let cr1 = bits::URS | bits::UP_AND_DOWN | bits::ARPE;
@@ -129,12 +128,12 @@ impl Motor {
 
 /// The outputs are the timer's. For the interrupt of the currents.
 pub fn outputs_on() {
-    // SAFETY: the interrupt that calls this is the only one that sets the bit; who clears it
-    // meanwhile is looked for behind it.
+    // SAFETY: the interrupt that calls this is the only one that sets the bit, the others are as they
+    // were; who clears it meanwhile is looked for behind it.
     unsafe {
         (*pac::TIM1::ptr())
             .bdtr()
-            .modify(|r, w| w.bits(r.bits() | bits::MOE))
+            .write(|w| w.bits(OUTPUTS | bits::MOE))
     };
 }
 

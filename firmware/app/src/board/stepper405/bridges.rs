@@ -26,12 +26,13 @@ const SETTINGS: Settings = Settings {
     fourth: (bits::BELOW, 0),
     // Channels 1 to 4, without complements.
     outputs: 0x1111,
-    // The driver has its own.
-    dead: 0,
 };
 
 /// Half a period, 20 kHz.
 pub const TOP: u16 = 4_200;
+
+/// Clocks between the switches of a half bridge: the driver has its own.
+pub const DEAD: u8 = 0;
 
 /// CR1 of TIM1: it counts down.
 const DIR: u32 = 1 << 4;

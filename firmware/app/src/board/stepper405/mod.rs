@@ -47,7 +47,7 @@ use super::chip::{self, can, clocks, flash, ram_code, switches, CORE_HZ, TIMERS_
 use super::servo_stage::{self, converters, encoder, lines, orders, stage};
 use super::{user_memory, Board, Parts};
 use crate::stepping::SharedEmitter;
-pub use bridges::{cut, gates_off, gates_on, has_power, Brake, Bridges, TOP};
+pub use bridges::{cut, gates_off, gates_on, has_power, Brake, Bridges, DEAD, TOP};
 pub use motor::{three_currents, CHANNELS, DATA};
 
 /// Its index is at no channel of the timer: an interrupt that reads the count would be late by more than counts that are lost.
