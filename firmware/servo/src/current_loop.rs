@@ -21,6 +21,7 @@
 //! A current above the trip, a bus outside its bounds, or NaN, ends it: the gates are to be off until [`CurrentLoop::start`].
 
 mod axis;
+mod keeping;
 
 use core::hint::cold_path;
 
@@ -35,6 +36,7 @@ use crate::number::{
 use crate::transform::{Clarke, Rotor};
 use axis::Axis;
 pub use axis::{SOFTEST, STIFFEST};
+use keeping::Keeping;
 
 /// The fastest that is reckoned with, in parts of 2³² of a turn in a period: an eighth of a turn, as the observer.
 const FASTEST: f32 = 536_870_912.0;
@@ -447,39 +449,6 @@ impl CurrentLoop {
         }
         cold_path();
         d_first(demand, square, self.config.max_current)
-    }
-}
-
-/// What keeps a current at the speed of the period.
-#[derive(Clone, Copy)]
-struct Keeping {
-    resistance: f32,
-    /// Of the current across the magnet into d, and of that along it into q, in Ω.
-    across: f32,
-    along: f32,
-    /// What is not known, and the voltage of the magnet.
-    d: f32,
-    q: f32,
-}
-
-impl Keeping {
-    /// The voltage with which a current would stay as it is.
-    #[inline(always)]
-    fn needed(&self, current: Rotor) -> Rotor {
-        Rotor {
-            d: self.d + self.resistance * current.d - self.across * current.q,
-            q: self.q + self.resistance * current.q + self.along * current.d,
-        }
-    }
-
-    /// What of a voltage, from which the rotor has turned on by an angle, is beyond that: it changes the current. Each sum goes on from a difference, which saves a copy.
-    #[inline(always)]
-    fn beyond(&self, voltage: Rotor, angle: f32, current: Rotor) -> Rotor {
-        let (d, q) = (voltage.d - self.d, voltage.q - self.q);
-        Rotor {
-            d: d + angle * voltage.q - self.resistance * current.d + self.across * current.q,
-            q: q - angle * voltage.d - self.resistance * current.q - self.along * current.d,
-        }
     }
 }
 
