@@ -107,13 +107,15 @@ def interrupts_are_short(chip, periods, more=0, modulation=PERIOD):
     # Widths are written in their half of a period, also where the loops come before.
     assert max(current) + masked < modulation / 2
     assert max(current) < CURRENT and max(loops) < LOOPS and masked < MASKED
+
+
 def current_interrupts(chip, periods, more=0):
     """The clocks that the interrupt of the converters takes in each of these periods, by the model of cost. `more`: how often it comes in a period beside the one."""
     core, number, clocks = chip.core, 16 + IRQ["ADC"], []
     core.count_cost()
     served = core.counts[number]
     # From the end of one on, so that none is in two periods.
-    assert chip.run(PERIOD, lambda: core.counts[number] > served and number not in (n for n, _, _ in core.active))
+    assert chip.run(2 * PERIOD, lambda: core.counts[number] > served and number not in (n for n, _, _ in core.active))
     begin, served = chip.time, core.counts[number]
     for period in range(1, periods + 1):
         before = core.shares.clocks[level(7)]
