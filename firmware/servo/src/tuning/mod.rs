@@ -159,6 +159,8 @@ pub struct Tuning {
     setup: Setup,
     measured: Measured,
     part: Part,
+    /// The part has ended. The next is made in a period that does nothing else: what it takes is long beside a period.
+    has_ended: bool,
     /// The timer at the last look, and what it has counted since the first, the right way once that is known.
     timer: Option<u16>,
     position: i32,
@@ -200,6 +202,7 @@ impl Tuning {
             setup,
             measured: Measured::default(),
             part: Part::Winding(Winding::new(setup.wiring)),
+            has_ended: false,
             timer: None,
             position: 0,
         })
@@ -227,7 +230,14 @@ impl Tuning {
         let step = match self.step(seen, timer) {
             Ok(Next::Widths(widths)) => return Step::Widths(widths),
             Ok(Next::Voltage(voltage)) => return self.widths(voltage, seen),
-            Ok(Next::Finished) => self.go_on(timer),
+            Ok(Next::Finished) if !self.has_ended => {
+                self.has_ended = true;
+                return self.widths(Stator::default(), seen);
+            }
+            Ok(Next::Finished) => {
+                self.has_ended = false;
+                self.go_on(timer)
+            }
             Err(failure) => Err(failure),
         };
         if let Err(failure) = step {
@@ -262,6 +272,7 @@ impl Tuning {
             return Err(Failure::Tripped(Trip::UnderVoltage));
         }
         match &mut self.part {
+            _ if self.has_ended => Ok(Next::Finished),
             Part::Winding(winding) => {
                 let current = Stator::of_phases(setup.wiring, seen.currents);
                 winding.run(
@@ -301,7 +312,8 @@ impl Tuning {
                 self.measured.angle = Angle::from_turns(-zero * share);
                 let now = Angle::from_turns((self.position as f32 - zero) * share);
                 let motor = self.motor()?;
-                let current = self.current_loop()?;
+                // Resistance and inductances are what they were.
+                let current = turning.current_loop();
                 let at = (now, timer, self.position);
                 self.part = Part::Strokes(Strokes::new(&self.setup, &motor, current, at)?);
             }

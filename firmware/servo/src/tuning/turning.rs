@@ -90,6 +90,13 @@ impl Turning {
         self.zero
     }
 
+    /// The loop, as with no voltage acting.
+    pub(super) fn current_loop(&self) -> CurrentLoop {
+        let mut current = self.current;
+        current.start();
+        current
+    }
+
     /// The encoder counts the other way.
     pub(super) fn is_reversed(&self) -> bool {
         self.is_reversed
