@@ -84,6 +84,37 @@ CURRENT, LOOPS = 1_000, 4_600
 MASKED = 320
 
 
+#: 20C1h:1, and what 20C1h:3 to :11 tell, in which unit.
+FIELD, DONE = 3, 6
+FOUND = {
+    3: ("resistance", 1e-6), 4: ("inductance_along", 1e-9), 5: ("inductance_across", 1e-9), 6: ("flux", 1e-9), 7: ("pole_pairs", 1), 8: ("direction", 1),
+    10: ("inertia", 1e-9), 11: ("friction", 1e-6),
+}  # fmt: skip
+
+
+def measure(servo):
+    """20C0h:1 = 1. What was found, and the clocks that the longest current interrupt takes around each change of the part, by the model of cost: on a copy of the chip."""
+    bench = servo.bench
+    servo[0x6060] = PROFILE_POSITION
+    bench.milliseconds(20)
+    servo.sdo[0x20C0][1].raw = 1
+    before, state, longest = bench.copy(), 0, []
+    while state < DONE:
+        bench.milliseconds(25)
+        now = servo.sdo[0x20C1][1].raw
+        if now != state and now >= FIELD:
+            copy = before.chip
+            copy.core.count_cost()
+            copy.run(bench.chip.time - copy.time)
+            longest.append(copy.core.cost.runs[16 + IRQ["ADC"]])
+        before.chip.leave()
+        before, state = bench.copy(), now
+    before.chip.leave()
+    assert state == DONE, servo.sdo[0x20C1][2].raw
+    print("clocks of the longest current interrupt around the ends of the parts:", longest)
+    return {name: servo.sdo[0x20C1][sub].raw * unit for sub, (name, unit) in FOUND.items()}, longest
+
+
 def interrupts_are_short(chip, periods, more=0, modulation=PERIOD):
     """The clocks that the interrupts of the currents and of the loops take, by the model of cost, in so many periods of the loops. `more`: how often the converters end in a
     period of the modulation for nothing."""

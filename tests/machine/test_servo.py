@@ -4,9 +4,12 @@ import pytest
 from drive import FAULT, FAULT_RESET, OPERATION_ENABLED
 from gate_driver import CONTROL_1, CONTROL_2, GateDriver
 from motor import Motor
-from servo_bench import PROFILE_POSITION, Kind, commanded, enable, hold, in_flash, interrupts_are_short, move, on_the_way, starting
+from servo_bench import (
+    PERIOD, PROFILE_POSITION, Kind, commanded, enable, hold, in_flash, interrupts_are_short, measure, move, on_the_way, starting,
+)  # fmt: skip
 from stm32f405 import HZ
 from stm32f405.image import Image
+from tuner import is_within_bounds
 
 #: The rated torque of the motor, in mN·m, behind its current in mA.
 RATED = 320
@@ -124,6 +127,16 @@ def test_counts_that_are_lost_are_a_fault_at_the_next_index(found):
     servo.until(lambda: servo.state() == FAULT, "fault")
     assert servo[0x603F] == 0x7305
     assert chip.tim1.centre.duties() is None
+
+
+# Two and a half seconds of the motor.
+@pytest.mark.timeout(900)
+def test_the_motor_is_measured_and_the_parts_begin_within_a_period(found):
+    motor = found.chip.motor
+    measured, longest = measure(found)
+    is_within_bounds(measured, motor, RATED * 1e-3)
+    # Where the strokes begin it is still more than half a period: docs/servo.md.
+    assert len(longest) == 3 and max(longest) < 4_600 < PERIOD, longest
 
 
 def test_the_interrupts_are_short(found):

@@ -30,3 +30,13 @@ def tune(bench, program, node_id, *options):
     process.stdout.close()
     assert process.wait(30) == 0
     return json.loads(said[2:]) if said[0] == "=" else said[2:]
+
+
+def is_within_bounds(found, motor, rated):
+    """What was found of a motor, with a rated torque in N·m, by the bounds of docs/servo.md."""
+    for name, known, bound in [
+        ("resistance", motor.resistance, 0.04), ("inductance_along", motor.inductance, 0.1), ("inductance_across", motor.inductance, 0.1),
+        ("flux", motor.flux, 0.04), ("inertia", motor.inertia, 0.2), ("friction", motor.friction, 0.15 + 0.03 * rated / motor.friction),
+    ]:  # fmt: skip
+        assert abs(found[name] / known - 1) < bound, (name, found[name])
+    assert (found["pole_pairs"], found["direction"]) == (motor.pole_pairs, 1)
