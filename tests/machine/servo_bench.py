@@ -79,9 +79,9 @@ def on_the_way(servo, speed, way):
 CONTROL = 42_000
 #: Clocks that the interrupts of a period may take, by the model of cost: the one of the currents in each of the modulation, the other in each of the loops. What they take
 #: on each board, and in which motion, is in docs/servo.md.
-CURRENT, LOOPS = 1_000, 4_600
+CURRENT, LOOPS = 1_000, 6_000
 #: For so long the loops keep back the current interrupt.
-MASKED = 320
+MASKED = 350
 
 
 #: 20C1h:1, and what 20C1h:3 to :11 tell, in which unit.
@@ -115,10 +115,20 @@ def measure(servo):
     return {name: servo.sdo[0x20C1][sub].raw * unit for sub, (name, unit) in FOUND.items()}, longest
 
 
+def end_of_current_interrupt(chip):
+    """Runs until the next one of the currents has ended."""
+    core, number = chip.core, 16 + IRQ["ADC"]
+    served = core.counts[number]
+    assert chip.run(2 * PERIOD, lambda: core.counts[number] > served and number not in (n for n, _, _ in core.active))
+
+
 def interrupts_are_short(chip, periods, more=0, modulation=PERIOD):
     """The clocks that the interrupts of the currents and of the loops take, by the model of cost, in so many periods of the loops. `more`: how often the converters end in a
     period of the modulation for nothing."""
     chip.core.count_cost()
+    end_of_current_interrupt(chip)
+    # From between two of them on, so that none is at an edge of what is counted.
+    chip.run(modulation // 4)
     chip.core.cost.forget()
     served = {name: chip.core.counts[16 + IRQ[name]] for name in ("ADC", "TIM7")}
     taken, current, loops = chip.core.shares.clocks, [], []
@@ -144,9 +154,8 @@ def current_interrupts(chip, periods, more=0):
     """The clocks that the interrupt of the converters takes in each of these periods, by the model of cost. `more`: how often it comes in a period beside the one."""
     core, number, clocks = chip.core, 16 + IRQ["ADC"], []
     core.count_cost()
-    served = core.counts[number]
-    # From the end of one on, so that none is in two periods.
-    assert chip.run(2 * PERIOD, lambda: core.counts[number] > served and number not in (n for n, _, _ in core.active))
+    # So none is in two periods.
+    end_of_current_interrupt(chip)
     begin, served = chip.time, core.counts[number]
     for period in range(1, periods + 1):
         before = core.shares.clocks[level(7)]

@@ -11,7 +11,7 @@ use motion::{Direction, Limits, Ramps, Speed, low};
 
 use super::braking::{self, Ramp};
 use super::{Context, Types};
-use crate::actuator::Actuator;
+use crate::actuator::{Actuator, TORQUE_MODES};
 use crate::motor::Motor;
 use crate::option_codes::StopRamp;
 use crate::statusword::INTERNAL_LIMIT;
@@ -47,7 +47,11 @@ impl HeldTorque {
     }
 
     /// A limit switch is stopping the motor.
-    pub(super) fn on_limit(&mut self, motor: &Motor<impl Actuator>) {
+    pub(super) fn on_limit<A: Actuator>(&mut self, motor: &Motor<A>) {
+        // Nothing of this is linked where no torque is held.
+        if A::MODES & TORQUE_MODES == 0 {
+            return;
+        }
         let sign = match motor.heading() {
             Some(Direction::Forward) => 1,
             Some(Direction::Reverse) => -1,
