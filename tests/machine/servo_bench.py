@@ -79,9 +79,9 @@ def on_the_way(servo, speed, way):
 CONTROL = 42_000
 #: Clocks that the interrupts of a period may take, by the model of cost: the one of the currents in each of the modulation, the other in each of the loops. What they take
 #: on each board, and in which motion, is in docs/servo.md.
-CURRENT, LOOPS = 1_000, 6_000
+CURRENT, LOOPS = 1_100, 6_500
 #: For so long the loops keep back the current interrupt.
-MASKED = 350
+MASKED = 400
 
 
 #: 20C1h:1, and what 20C1h:3 to :11 tell, in which unit.
