@@ -34,9 +34,9 @@ pub enum Feedback {
     /// An incremental encoder alone: the magnet is looked for as the power comes first.
     #[default]
     Incremental,
-    /// Hall sensors beside it, for [`Loops::hall`](super::Loops::hall): nothing is looked for.
+    /// Hall sensors beside it, for [`Current::hall`](super::Current::hall): nothing is looked for.
     Hall,
-    /// The word of an absolute encoder in place of it, for [`Loops::word`](super::Loops::word): nothing is looked for, and positions begin at the angle within
+    /// The word of an absolute encoder in place of it, for [`Current::word`](super::Current::word): nothing is looked for, and positions begin at the angle within
     /// the turn.
     Absolute {
         /// Of a word, 12 to 20.
