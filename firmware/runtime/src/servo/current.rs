@@ -113,7 +113,6 @@ impl Current {
         let (middle, spread) = stage.middle;
         let sense = CurrentSense::new(stage.current, middle, spread)?;
         let search = Commutation::new(motor, motor.rated_current, stage.period)?;
-        let between = stage.control.saturating_sub(1);
         let is_found = magnet.is_some() || data.feedback != Feedback::Incremental;
         Ok(Self {
             interrupt: CurrentInterrupt::new(sense, encoder, observer, current, stage.bus)?,
@@ -121,8 +120,8 @@ impl Current {
             fault: None,
             is_on: false,
             is_ideal: magnet.is_some(),
-            left: between.min(1),
-            between,
+            left: 1,
+            between: stage.control.saturating_sub(1),
             counts: Counts::default(),
             sensor: Sensor::new(data, motor)?,
             settings: SensorSettings::NONE,
