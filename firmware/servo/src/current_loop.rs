@@ -235,8 +235,8 @@ impl CurrentLoop {
     /// Begins anew, with no voltage acting; ends a trip.
     pub fn start(&mut self) {
         self.voltage = Rotor::ZERO;
-        self.d = Axis::new(self.d.inductance, &self.config);
-        self.q = Axis::new(self.q.inductance, &self.config);
+        self.d.restart(&self.config);
+        self.q.restart(&self.config);
         self.weakening.reset();
         (self.tripped, self.safe_square) = (None, NONE);
     }

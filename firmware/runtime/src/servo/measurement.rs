@@ -14,6 +14,7 @@ use super::feedback::SensorSettings;
 use super::loops::Loops;
 use super::settings::{
     LoopSettings as _, StepperLoops as _, config, control, current_loop, derating, modulation,
+    set_current_gains,
 };
 
 /// The bandwidth of the velocity loop for which a measurement proposes gains, if none is wanted, in 1/s: loops of 4 kHz leave room for it.
@@ -135,21 +136,8 @@ impl Loops {
         // What is no gain was refused by its limits.
         let _ = self.control.set_gains(gains.gains(&self.data));
         let _ = self.control.set_blocked(gains.blocked());
-        let own = config(&self.data);
-        let share = gains.share().unwrap_or(own.share);
-        let learning = match gains.learning {
-            0 => own.learning,
-            learning => f32::from(learning) * 1e-3,
-        };
-        let along = f32::from(gains.share_along) * 1e-3;
-        current.lock(|current| {
-            let current = &mut current.interrupt.current;
-            let _ = current.set_share(share);
-            let _ = current.set_learning(learning);
-            if gains.share_along > 0 {
-                let _ = current.set_share_along(along);
-            }
-        });
+        current
+            .lock(|current| set_current_gains(&mut current.interrupt.current, &self.data, gains));
         if gains.is_barred != before.is_barred {
             self.end_measurement(current, Ending::PowerOff);
             self.switch(current);

@@ -53,8 +53,6 @@ pub(super) trait LoopSettings {
     fn blocked(&self) -> (f32, f32);
     /// The greatest current that weakens the field, in A: at most the peak.
     fn weakening(&self, motor: &Motor) -> f32;
-    /// `None` is that of the loop.
-    fn share(&self) -> Option<f32>;
 }
 
 impl LoopSettings for ServoSettings {
@@ -115,10 +113,6 @@ impl LoopSettings for ServoSettings {
     fn weakening(&self, motor: &Motor) -> f32 {
         (self.weakening as f32 * 1e-3).min(motor.peak_current)
     }
-
-    fn share(&self) -> Option<f32> {
-        (self.share > 0).then(|| f32::from(self.share) * 1e-3)
-    }
 }
 
 pub(super) fn modulation(data: &ServoData) -> Result<Modulation, Implausible> {
@@ -160,13 +154,28 @@ pub(super) fn current_loop(
     motor: &Motor,
     settings: &ServoSettings,
 ) -> Result<CurrentLoop, Implausible> {
-    let own = config(data);
     let config = CurrentConfig {
-        share: settings.share().unwrap_or(own.share),
         weakening: settings.weakening(motor),
-        ..own
+        ..config(data)
     };
-    CurrentLoop::new(motor, config, modulation(data)?)
+    let mut current = CurrentLoop::new(motor, config, modulation(data)?)?;
+    set_current_gains(&mut current, data, settings);
+    Ok(current)
+}
+
+/// The gains of the current loop, which change without a bump. What is none was refused by the limits of its object.
+pub(super) fn set_current_gains(
+    current: &mut CurrentLoop,
+    data: &ServoData,
+    settings: &ServoSettings,
+) {
+    let own = config(data);
+    let of = |thousandths: u16| (thousandths > 0).then(|| f32::from(thousandths) * 1e-3);
+    let _ = current.set_share(of(settings.share).unwrap_or(own.share));
+    let _ = current.set_learning(of(settings.learning).unwrap_or(own.learning));
+    if let Some(along) = of(settings.share_along) {
+        let _ = current.set_share_along(along);
+    }
 }
 
 /// The loops above it.

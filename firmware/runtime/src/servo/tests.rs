@@ -378,3 +378,59 @@ fn the_magnet_is_looked_for_with_the_pole_pairs_that_are_set() {
     let search = Commutation::new(&motor, motor.rated_current, 50e-6).ok();
     assert_eq!(board.current.search, search);
 }
+
+/// The shares and the learning of the current loop, by whatever way they have come there.
+#[test]
+fn a_start_and_another_motor_keep_the_gains_of_the_current_loop() {
+    let gains = ServoSettings {
+        share: 500,
+        share_along: 200,
+        learning: 100,
+        ..ServoSettings::default()
+    };
+    let all = ServoSettings {
+        motor: [700_000, 0, 0, 0, 0, 0],
+        ..gains
+    };
+    let of = |steps: &[ServoSettings]| {
+        let mut current = Current::new(&DATA, 0, Some(Angle::ZERO)).unwrap();
+        let mut loops = Loops::new(&DATA).unwrap();
+        for settings in steps {
+            loops.set_up(&mut current, settings);
+        }
+        (current, loops)
+    };
+    let motor = ServoSettings {
+        motor: all.motor,
+        ..ServoSettings::default()
+    };
+    let (before, _) = of(&[motor, all]);
+    let (behind, mut loops) = of(&[gains, all]);
+    assert_eq!(before.interrupt.current, behind.interrupt.current);
+    let mut current = behind.clone();
+    loops.energise(&mut current, true);
+    current.period(&AT_REST);
+    loops.energise(&mut current, false);
+    loops.energise(&mut current, true);
+    let mut anew = behind;
+    anew.interrupt.current.start();
+    let without = Current::new(&DATA, 0, Some(Angle::ZERO)).unwrap();
+    let asks = |current: &Current| {
+        let mut current = current.interrupt.current;
+        let sample = servo::current_loop::Sample {
+            bus: 48.0,
+            ..Default::default()
+        };
+        current
+            .run(&sample, servo::transform::Rotor { d: 1.0, q: 1.0 })
+            .unwrap();
+        current.voltage()
+    };
+    let [wanted, own] = [&before, &without].map(asks);
+    assert!(
+        wanted.d < 0.5 * own.d && wanted.q < 0.7 * own.q,
+        "{wanted:?}, {own:?}"
+    );
+    assert_eq!(asks(&current), wanted);
+    assert_eq!(asks(&anew), wanted);
+}

@@ -62,6 +62,18 @@ impl Axis {
         axis
     }
 
+    /// With the response of the data and nothing unknown again; its gains stay.
+    pub(super) fn restart(&mut self, config: &CurrentConfig) {
+        let Self {
+            half_share,
+            learning,
+            ..
+        } = *self;
+        *self = Self::new(self.inductance, config);
+        self.set_share(2.0 * half_share);
+        self.learning = learning;
+    }
+
     pub(super) fn set_share(&mut self, share: f32) {
         self.half_share = 0.5 * share;
         self.corrects = self.half_share / self.changes;
