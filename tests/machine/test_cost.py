@@ -1,7 +1,7 @@
 """The model of cost: what instructions and exceptions take, by short programs."""
 
 import pytest
-from program import BIT, FLOAT, LOW, MAIN, NOTE, PEND, RETURN, WAIT, WFI, Program
+from program import BIT, FLOAT, LOW, MAIN, NOTE, PEND, R7, RETURN, WAIT, WFI, Program
 from stm32f405 import Chip
 from stm32f405.engine import CCM, RAM
 
@@ -80,6 +80,15 @@ def test_in_ram_an_instruction_takes_turns_with_a_stack_there_and_its_constants(
     # A stack in the core-coupled memory has nothing to do with it.
     chip.core.top = CCM + 0x8000
     assert more(0x1000) == (low if code in CONSTANTS else 0)
+
+
+def test_a_constant_that_is_loaded_on_a_condition_changes_nothing_behind_it(chip):
+    """mov.w r6, #0x08000000; movs r0, #1; cmp r0, #0; itt ne; ldrhne r1, [r6, #8]; andsne r1, r1, #0; beq; nop; movs r7, #5: that is on no condition."""
+    program = Program(chip, "4ff00066 0120 0028 1cbf 3189 11f00001 00d0 00bf 0527" + WFI)
+    chip.core.count_cost()
+    chip.core.uc.reg_write(R7, 0)
+    program.run()
+    assert chip.core.uc.reg_read(R7) == 5
 
 
 def test_an_instruction_is_counted_once_wherever_a_slice_ends(chip):

@@ -10,7 +10,7 @@ on, the machine has a moment for each block of instructions, so that waits, mask
 import collections
 
 from unicorn import UC_HOOK_BLOCK, UC_HOOK_MEM_READ
-from unicorn.arm_const import UC_ARM_REG_BASEPRI, UC_ARM_REG_PRIMASK, UC_ARM_REG_SP
+from unicorn.arm_const import UC_ARM_REG_BASEPRI, UC_ARM_REG_PRIMASK, UC_ARM_REG_SP, UC_ARM_REG_XPSR
 
 from .fpu import Fpu, is_float
 
@@ -32,6 +32,9 @@ FLASH, FLASH_END = 0x0800_0000, 0x0810_0000
 
 #: RAM: at its own address it is fetched from by the system bus, which holds each word for a clock; mapped to 0, by the bus for instructions.
 RAM = 0x2000_0000
+
+#: In XPSR: the condition that an instruction is under, and those behind it (IT).
+CONDITION = 0x0600_FC00
 
 #: Registers by which a program reaches its stack, and its constants.
 SP, PC = 13, 15
@@ -202,9 +205,13 @@ class Cost:
         self.extra += clocks
         self.begun += len(self.extras)
 
-    def on_read(self, _uc, _access, address, _size, _value, _):
+    def on_read(self, uc, _access, address, _size, _value, _):
         if not self.data.holds(address // LINE):
             self.extra += WAIT_STATES
+        # For this hook unicorn notes the condition that it is under, and takes all that is behind the next branch to be under it, too.
+        xpsr = uc.reg_read(UC_ARM_REG_XPSR)
+        if xpsr & CONDITION:
+            uc.reg_write(UC_ARM_REG_XPSR, xpsr & ~CONDITION)
 
     def priority(self):
         return self.core.active[-1][1] if self.core.active else 256
