@@ -97,14 +97,6 @@ impl Motor {
         )
     }
 
-    /// The motor, if it can be one.
-    ///
-    /// # Errors
-    /// As [`Motor::check`].
-    pub fn checked(self) -> Result<Self, Implausible> {
-        self.check().map(|()| self)
-    }
-
     /// The torque in N·m of an ampere in q, with none in d.
     pub fn torque_constant(&self) -> f32 {
         self.wiring.torque_constant(self.pole_pairs, self.flux)
@@ -139,7 +131,7 @@ pub(crate) mod tests {
     #[test]
     fn a_motor_is_checked_once() {
         let motor = servo_100w();
-        assert_eq!(motor.checked(), Ok(motor));
+        assert_eq!(motor.check(), Ok(()));
         assert!((motor.rated_torque() - 0.32).abs() < 1e-3);
         for wrong in [
             Motor {
@@ -171,7 +163,7 @@ pub(crate) mod tests {
                 ..motor
             },
         ] {
-            assert_eq!(wrong.checked(), Err(Implausible), "{wrong:?}");
+            assert_eq!(wrong.check(), Err(Implausible), "{wrong:?}");
         }
     }
 }

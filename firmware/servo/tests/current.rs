@@ -339,7 +339,7 @@ proptest! {
             flux: flux.abs() * 1e-3,
             ..base
         };
-        let known = chosen.checked().unwrap_or(base);
+        let known = chosen.check().map_or(base, |()| chosen);
         let config = CurrentConfig {
             period: PERIOD * (0.2 + gains[0]),
             share: gains[1],

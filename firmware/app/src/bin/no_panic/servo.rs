@@ -45,7 +45,7 @@ fn width(width: i16) {
 }
 
 pub fn motor() -> Result<Motor, Implausible> {
-    Motor {
+    let motor = Motor {
         wiring: if any() == 0 {
             Wiring::TwoPhase
         } else {
@@ -60,8 +60,9 @@ pub fn motor() -> Result<Motor, Implausible> {
         peak_current: number(),
         inertia: number(),
         counts: any(),
-    }
-    .checked()
+    };
+    motor.check()?;
+    Ok(motor)
 }
 
 /// Sets a servo up and lets it run.
